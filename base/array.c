@@ -19,13 +19,11 @@ size_t array_next_capacity(size_t capacity, size_t needed, size_t item_size) {
 bool array_reserve_exact(void *items, size_t *capacity, size_t needed, size_t item_size) {
     void *old = NULL; /* copied: a pointer to another type must not be read as a void pointer */
     memcpy(&old, items, sizeof old);
-    if (needed <= *capacity) {
+    if (needed <= *capacity)
         return true;
-    }
     void *grown = needed <= SIZE_MAX / item_size ? realloc(old, needed * item_size) : NULL;
-    if (grown == NULL) {
+    if (grown == NULL)
         return false;
-    }
     memcpy(items, &grown, sizeof grown);
     *capacity = needed;
     return true;

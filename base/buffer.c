@@ -9,9 +9,8 @@
 
 bool buffer_add(buffer *b, const void *bytes, size_t n) {
     b->failed = b->failed || n > SIZE_MAX - b->n || !ARRAY_RESERVE(b->bytes, b->capacity, b->n + n);
-    if (b->failed) {
+    if (b->failed)
         return false;
-    }
     if (n > 0) { /* bytes may be NULL */
         memcpy(b->bytes + b->n, bytes, n);
     }
@@ -29,9 +28,8 @@ char *buffer_take(buffer *b, size_t *n) {
         return NULL;
     }
     char *bytes = b->bytes;
-    if (n != NULL) {
+    if (n != NULL)
         *n = b->n - 1;
-    }
     *b = (buffer){0};
     return bytes;
 }

@@ -15,12 +15,10 @@ static ssize_t read_all(int fd, char *buffer, size_t size, off_t offset) {
     while (done < size) {
         const ssize_t n = offset < 0 ? read(fd, buffer + done, size - done)
                                      : pread(fd, buffer + done, size - done, offset + (off_t)done);
-        if (n == 0) {
+        if (n == 0)
             break;
-        }
-        if (n < 0 && errno != EINTR) {
+        if (n < 0 && errno != EINTR)
             return -1;
-        }
         done += n > 0 ? (size_t)n : 0;
     }
     return (ssize_t)done;
@@ -51,20 +49,17 @@ int io_write(int fd, const void *bytes, size_t n) {
 }
 
 int io_finish(int fd, int error) {
-    if (error == 0 && fsync(fd) != 0) {
+    if (error == 0 && fsync(fd) != 0)
         error = errno;
-    }
-    if (close(fd) != 0 && error == 0) {
+    if (close(fd) != 0 && error == 0)
         error = errno;
-    }
     return error;
 }
 
 int io_open_nameless(const char *directory) {
     const int fd = open(directory, O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600);
-    if (fd >= 0) {
+    if (fd >= 0)
         return fd;
-    }
     /* Not every file system knows O_TMPFILE. */
     char path[4300];
     const int n = snprintf(path, sizeof path, "%s/.shear-XXXXXX", directory);
@@ -73,8 +68,7 @@ int io_open_nameless(const char *directory) {
         return -1;
     }
     const int named = mkostemp(path, O_CLOEXEC);
-    if (named >= 0) {
+    if (named >= 0)
         unlink(path);
-    }
     return named;
 }

@@ -9,9 +9,8 @@ enum { LONGEST = 48 }; /* no name of ours is longer; what is longer resembles no
 
 bool spelling_same(const char *a, const char *b) {
     for (; *a != '\0' && *b != '\0'; a++, b++) {
-        if ((*a == '_' ? '-' : *a) != (*b == '_' ? '-' : *b)) {
+        if ((*a == '_' ? '-' : *a) != (*b == '_' ? '-' : *b))
             return false;
-        }
     }
     return *a == *b;
 }
@@ -48,9 +47,8 @@ static unsigned distance(const char *a, size_t na, const char *b, size_t nb) {
 void spelling_consider(spelling *s, const char *candidate) {
     const size_t na = strlen(s->given);
     const size_t nb = strlen(candidate);
-    if (na > LONGEST || nb > LONGEST) {
+    if (na > LONGEST || nb > LONGEST)
         return;
-    }
     const unsigned d = distance(s->given, na, candidate, nb);
     if (d <= (nb + 2) / 3 && (s->best == NULL || d < s->distance)) {
         s->best = candidate;

@@ -31,9 +31,8 @@ bool text_append_item(char *buf, size_t size, const char *item) {
 
 bool text_list(char *buf, size_t size, const char *const *words) {
     bool fits = text_set(buf, size, "");
-    for (; *words != NULL; words++) {
+    for (; *words != NULL; words++)
         fits = text_append_item(buf, size, *words) && fits;
-    }
     return fits;
 }
 
@@ -47,9 +46,8 @@ bool text_to_int64(const char *text, int64_t *value) {
     char *end = NULL;
     errno = 0;
     const long long number = strtoll(text, &end, 10);
-    if (end == text || *end != '\0' || errno != 0) {
+    if (end == text || *end != '\0' || errno != 0)
         return false;
-    }
     *value = number;
     return true;
 }
@@ -57,9 +55,8 @@ bool text_to_int64(const char *text, int64_t *value) {
 bool text_to_double(const char *text, double *value) {
     char *end = NULL;
     const double number = strtod(text, &end);
-    if (end == text || *end != '\0') {
+    if (end == text || *end != '\0')
         return false;
-    }
     *value = number;
     return true;
 }
@@ -68,9 +65,8 @@ int text_digits(double value, int least) {
     char text[40];
     for (int digits = least; digits < DBL_DECIMAL_DIG; digits++) {
         snprintf(text, sizeof text, "%.*g", digits, value);
-        if (strtod(text, NULL) == value) {
+        if (strtod(text, NULL) == value)
             return digits;
-        }
     }
     return DBL_DECIMAL_DIG;
 }

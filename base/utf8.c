@@ -10,15 +10,13 @@ size_t utf8_decode(const char *text, uint32_t *point) {
         *point = p[0];
         return 1;
     }
-    if (p[0] < 0xc2 || p[0] > 0xf4) {
+    if (p[0] < 0xc2 || p[0] > 0xf4)
         return 0;
-    }
     const size_t n = p[0] >= 0xf0 ? 4 : p[0] >= 0xe0 ? 3 : 2;
     *point = p[0] & (0xffu >> (n + 1));
     for (size_t i = 1; i < n; i++) {
-        if ((p[i] & 0xc0) != 0x80) {
+        if ((p[i] & 0xc0) != 0x80)
             return 0;
-        }
         *point = *point << 6 | (p[i] & 0x3fu);
     }
     const bool surrogate = *point >= 0xd800 && *point <= 0xdfff;

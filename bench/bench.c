@@ -30,9 +30,8 @@ static void print_head(const options *o) {
     }
     if (o->format == STAGES) {
         printf("| us a pair                    |");
-        for (int i = 0; i < N_STAGES; i++) {
+        for (int i = 0; i < N_STAGES; i++)
             printf(" %s |", stage_names[i]);
-        }
         printf("\n|---|---|---|---|---|---|---|---|\n");
     }
 }
@@ -44,9 +43,8 @@ static void print_json(const bench_case *c, const timing *t, int threads) {
            "\"threads\":%d,\"speedup\":%.3f,\"stages_us\":{",
            c->name, t->pair_us, 1e6 / t->pair_us, n, t->floor_us * n / 2.0, t->ratio * 2.0 / n,
            threads, t->speedup);
-    for (int i = 0; i < N_STAGES; i++) {
+    for (int i = 0; i < N_STAGES; i++)
         printf("%s\"%s\":%.3f", i > 0 ? "," : "", stage_names[i], t->stage_us[i]);
-    }
     printf("}}\n");
 }
 
@@ -58,9 +56,8 @@ static void print_case(const bench_case *c, const timing *t, const options *o) {
         break;
     case STAGES:
         printf("| %-28s |", c->name);
-        for (int i = 0; i < N_STAGES; i++) {
+        for (int i = 0; i < N_STAGES; i++)
             printf(" %.1f |", t->stage_us[i]);
-        }
         printf("\n");
         break;
     default:
@@ -97,9 +94,8 @@ static options parse(int argc, char **argv) {
             usage();
         }
     }
-    if (o.rounds < 1 || o.rounds > ROUNDS_MAX || o.threads < 1 || o.threads > 1024) {
+    if (o.rounds < 1 || o.rounds > ROUNDS_MAX || o.threads < 1 || o.threads > 1024)
         usage();
-    }
     return o;
 }
 
@@ -109,9 +105,8 @@ int main(int argc, char **argv) {
     for (int i = 0; i < bench_n_cases; i++) {
         timing t;
         shear_error err = {0};
-        if (o.only[0] != '\0' && strcmp(bench_cases[i].name, o.only) != 0) {
+        if (o.only[0] != '\0' && strcmp(bench_cases[i].name, o.only) != 0)
             continue;
-        }
         if (rounds_time_case(&bench_cases[i], o.rounds, o.threads, &t, &err) != SHEAR_OK) {
             fprintf(stderr, "shear-bench: %s: %s\n", bench_cases[i].name, err.message);
             return 1;

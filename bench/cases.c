@@ -59,9 +59,8 @@ static int make_plan(bench_data *d, const bench_case *c, shear_error *err) {
     shear_settings settings;
     shear_settings_init(&settings);
     const int code = shear_settings_set(&settings, "interpolation", c->interpolation, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     settings.oversample = c->oversample > 1 ? c->oversample : 0;
     /* The paper's filter, at the beta that the plan will choose. */
     settings.core_px = fmin(c->r_gal_px + 4.0 * 1.5 * c->r_psf_px, 0.45 * c->side);
@@ -79,18 +78,16 @@ int bench_data_init(bench_data *d, const bench_case *c, int count, shear_error *
     uint32_t seed = 1;
     *d = (bench_data){.count = count};
     const int code = allocate(d, c->side, n_psf, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     for (int i = 0; i < count; i++) {
         draw(d->galaxy + (size_t)i * pixels, c->side, hypot(c->r_gal_px / 2, c->r_psf_px), 10.0,
              1.0, &seed);
         draw(d->noise + (size_t)i * pixels, c->side, 1.0, 0.0, 1.0, &seed);
         d->psf_index[i] = c->psf_per_stamp ? i : 0;
     }
-    for (int i = 0; i < n_psf; i++) {
+    for (int i = 0; i < n_psf; i++)
         draw(d->psf + (size_t)i * pixels, c->side, c->r_psf_px, 1.0, 0.0, &seed);
-    }
     d->stamps = (shear_stamps){.count = count,
                                .nx = c->side,
                                .ny = c->side,

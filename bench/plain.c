@@ -62,9 +62,8 @@ int main(int argc, char **argv) {
         const long count = left < BLOCK ? left : BLOCK;
         cube_read(&galaxy, first, count, block);
         cube_read(&noise, first, count, block + BLOCK * pixels);
-        for (long i = 0; i < count; i++) {
+        for (long i = 0; i < count; i++)
             floor_run_on(f, block + (size_t)i * pixels, block + (size_t)(BLOCK + i) * pixels);
-        }
     }
     free(block);
     floor_free(f);

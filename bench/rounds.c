@@ -41,42 +41,36 @@ static double time_threads(const timed_case *b) {
 
 static double time_floor(floor_transform *f, int repeats) {
     const double start = timer_processor_us();
-    for (int i = 0; i < repeats; i++) {
+    for (int i = 0; i < repeats; i++)
         floor_run(f);
-    }
     return (timer_processor_us() - start) / repeats;
 }
 
 static int timed_case_init(timed_case *b, const bench_case *c, int threads, shear_error *err) {
     const int fine = c->side * c->oversample;
     *b = (timed_case){.floor = floor_new(fine, fine), .threads = threads};
-    if (b->floor == NULL) {
+    if (b->floor == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
     time_floor(b->floor, 1);
     b->repeats = (int)fmax(4.0, ceil(1e6 * round_seconds / time_floor(b->floor, 3)));
     /* As many stamps as a work unit of the pipeline has: what the reader has just left in the
      * cache. */
     const int count = (int)fmax(1.0, fmin(b->repeats, unit_pixels / (2.0 * c->side * c->side)));
     int code = bench_data_init(&b->data, c, count, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     b->ws = calloc((size_t)threads, sizeof(shear_workspace *));
     b->rows = calloc((size_t)threads * (size_t)count, sizeof *b->rows);
-    if (b->ws == NULL || b->rows == NULL) {
+    if (b->ws == NULL || b->rows == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
-    for (int t = 0; t < threads && code == SHEAR_OK; t++) {
+    for (int t = 0; t < threads && code == SHEAR_OK; t++)
         code = shear_workspace_new(&b->ws[t], b->data.plan, err);
-    }
     return code;
 }
 
 static void timed_case_deinit(timed_case *b) {
-    for (int t = 0; b->ws != NULL && t < b->threads; t++) {
+    for (int t = 0; b->ws != NULL && t < b->threads; t++)
         shear_workspace_free(b->ws[t]);
-    }
     free(b->ws);
     free(b->rows);
     bench_data_deinit(&b->data);
@@ -98,28 +92,24 @@ static void one_round(const timed_case *b, record *r, int at) {
     r->ratio[at] = r->pair[at] / r->floor[at];
     r->speedup[at] = b->threads * r->pair[at] / time_threads(b);
     stages_time(&b->data, b->ws[0], repeats, us);
-    for (int i = 0; i < N_STAGES; i++) {
+    for (int i = 0; i < N_STAGES; i++)
         r->stage[i][at] = us[i];
-    }
 }
 
 int rounds_time_case(const bench_case *c, int rounds, int threads, timing *out, shear_error *err) {
     static record r;
     CLEANUP(timed_case_deinit) timed_case b = {0};
     const int code = timed_case_init(&b, c, threads, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     one_round(&b, &r, 0); /* warms up */
-    for (int i = 0; i < rounds; i++) {
+    for (int i = 0; i < rounds; i++)
         one_round(&b, &r, i);
-    }
     *out = (timing){.pair_us = timer_median(r.pair, rounds),
                     .floor_us = timer_median(r.floor, rounds),
                     .ratio = timer_median(r.ratio, rounds),
                     .speedup = timer_median(r.speedup, rounds)};
-    for (int i = 0; i < N_STAGES; i++) {
+    for (int i = 0; i < N_STAGES; i++)
         out->stage_us[i] = timer_median(r.stage[i], rounds);
-    }
     return SHEAR_OK;
 }

@@ -53,9 +53,8 @@ static void do_interpolate(stage_pair *s) {
 
 static void do_along_y(stage_pair *s) {
     const fft_lanes strip = s->ws->strip;
-    for (int i = 0; i < strips(s); i++) {
+    for (int i = 0; i < strips(s); i++)
         fft_run(s->plan->along_y, strip.re, strip.im, FFT_LANES, s->ws->lanes[0], s->ws->lanes[1]);
-    }
 }
 
 static void do_pack(stage_pair *s) {
@@ -66,9 +65,8 @@ static void do_pack(stage_pair *s) {
 
 static void do_along_x(stage_pair *s) {
     for (int group = 0; group <= mode_groups_last(s->plan, s->transfer); group++) {
-        if (mode_groups_want(s->plan, s->transfer, group)) {
+        if (mode_groups_want(s->plan, s->transfer, group))
             pack_transform_rows(s->plan, s->ws, group);
-        }
     }
 }
 
@@ -114,7 +112,6 @@ void stages_time(const bench_data *d, shear_workspace *ws, int repeats, double u
     us[STAGE_ALONG_X] = time_stage(d, &s, repeats, do_along_x);
     us[STAGE_MOMENTS] = time_stage(d, &s, repeats, do_moments);
     us[STAGE_REST] = whole;
-    for (int i = 0; i < STAGE_REST; i++) {
+    for (int i = 0; i < STAGE_REST; i++)
         us[STAGE_REST] -= us[i];
-    }
 }

@@ -164,9 +164,8 @@ static double time_calls(database *d, const operation *op) {
     shear_error err = {0};
     must(store_begin(d->s, &err), &err);
     const double start = timer_now_us();
-    for (int i = 0; i < CALLS; i++) {
+    for (int i = 0; i < CALLS; i++)
         op->call(d, &err);
-    }
     const double us = (timer_now_us() - start) / CALLS;
     store_rollback(d->s);
     return us;
@@ -225,9 +224,8 @@ static double submit_rate(store *s, int group) {
     const double start = timer_now_us();
     for (int i = 0; i < COMMITS; i++) {
         must(store_begin(s, &err), &err);
-        for (int k = 0; k < group; k++) {
+        for (int k = 0; k < group; k++)
             submit(s, 0, &err);
-        }
         must(store_commit(s, &err), &err);
     }
     return 1e6 * COMMITS * group / (timer_now_us() - start);

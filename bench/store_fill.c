@@ -46,9 +46,8 @@ static int make_pattern(store *s, shear_error *err) {
                              .catalog = "/survey/out/field-0000000.csv",
                              .elapsed_us = 1000,
                              .now_ms = 2};
-    if (sums == NULL) {
+    if (sums == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
     int code = store_submit(s, &spec, 10, &id, &known, err);
     code = code != SHEAR_OK ? code : store_next(s, 1, &job, err);
     code = code != SHEAR_OK ? code : store_set_input(s, id, &input, &of, err);
@@ -109,9 +108,8 @@ static int multiply(const char *path, int64_t jobs, int64_t fields, shear_error 
     sqlite3 *db = NULL;
     int rc = sqlite3_open(path, &db);
     sqlite3_db_config(db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, NULL);
-    for (size_t i = 0; i < sizeof statements / sizeof statements[0] && rc == SQLITE_OK; i++) {
+    for (size_t i = 0; i < sizeof statements / sizeof statements[0] && rc == SQLITE_OK; i++)
         rc = run(db, statements[i], jobs, fields);
-    }
     const int code = rc == SQLITE_OK ? SHEAR_OK
                                      : shear_fail(err, SHEAR_E_IO, NULL, "%s: cannot be filled: %s",
                                                   path, sqlite3_errmsg(db));

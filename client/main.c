@@ -18,9 +18,8 @@ static bool is_help(const char *argument) {
 
 static bool asks_for_help(int argc, char **argv) {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
-        if (is_help(argv[i])) {
+        if (is_help(argv[i]))
             return true;
-        }
     }
     return false;
 }
@@ -32,9 +31,8 @@ static enum exit_code run(int argc, char **argv) {
         return EXIT_CODE_DONE;
     }
     const command *chosen = strcmp(name, "--version") == 0 ? &cmd_version : command_find(name);
-    if (chosen == NULL) {
+    if (chosen == NULL)
         return EXIT_CODE_USAGE;
-    }
     if (asks_for_help(argc - 1, argv + 1)) {
         command_print_usage(chosen, settings_options_help, stdout);
         return EXIT_CODE_DONE;

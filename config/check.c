@@ -10,9 +10,8 @@ static size_t at(const char *section, const char *key) {
 
 /* Of two settings the one that was written later, and so probably is the wrong one. */
 static size_t later(const sheard_config *c, size_t a, size_t b) {
-    if (c->lines[a] == ORIGIN_COMMAND_LINE) {
+    if (c->lines[a] == ORIGIN_COMMAND_LINE)
         return a;
-    }
     return c->lines[b] == ORIGIN_COMMAND_LINE || c->lines[b] > c->lines[a] ? b : a;
 }
 
@@ -25,9 +24,8 @@ static void report(const sheard_config *c, size_t index, const shear_error *erro
 /* Whether path a is b or beneath it; both are tidy. */
 static bool is_within(const char *a, const char *b) {
     size_t n = strlen(b);
-    if (strcmp(b, "/") == 0) {
+    if (strcmp(b, "/") == 0)
         return true;
-    }
     return strncmp(a, b, n) == 0 && (a[n] == '\0' || a[n] == '/');
 }
 
@@ -45,9 +43,8 @@ static void check_outside_spool(const sheard_config *c, const char *section, con
 static void check_directories(const sheard_config *c, sheard_problems *problems) {
     shear_error error;
     check_outside_spool(c, "daemon", "state_dir", c->daemon.state_dir, problems);
-    if (!c->catalogs.enabled) {
+    if (!c->catalogs.enabled)
         return;
-    }
     check_outside_spool(c, "catalogues", "directory", c->catalogs.directory, problems);
     if (strcmp(c->catalogs.directory, c->daemon.state_dir) == 0) {
         (void)shear_fail(&error, SHEAR_E_SETTING, "a directory within it will do",
@@ -78,14 +75,12 @@ static void check_numbers(const sheard_config *c, sheard_problems *problems) {
 
 static void check_measure(const sheard_config *c, sheard_problems *problems) {
     shear_error error;
-    if (shear_settings_check(&c->measure, &error) == SHEAR_OK) {
+    if (shear_settings_check(&c->measure, &error) == SHEAR_OK)
         return;
-    }
     size_t latest = at("measure", "interpolation");
     for (size_t i = 0; i < sheard_settings_count(); i++) {
-        if (sheard_setting_at(i).type == SHEARD_T_MEASURE) {
+        if (sheard_setting_at(i).type == SHEARD_T_MEASURE)
             latest = later(c, latest, i);
-        }
     }
     (void)shear_prefix(&error, error.code, "[measure]");
     report(c, latest, &error, problems);

@@ -16,21 +16,18 @@
 static bool find_beneath_prefix(char *path, size_t size) {
     static const char name[] = "/etc/sheard/sheard.conf";
     const ssize_t n = readlink("/proc/self/exe", path, size - 1);
-    if (n <= 0) {
+    if (n <= 0)
         return false;
-    }
     path[n] = '\0';
     for (int level = 0; level < 2; level++) {
         char *slash = strrchr(path, '/');
-        if (slash == NULL) {
+        if (slash == NULL)
             return false;
-        }
         *slash = '\0';
     }
     const size_t length = strlen(path);
-    if (length + sizeof name > size) {
+    if (length + sizeof name > size)
         return false;
-    }
     memcpy(path + length, name, sizeof name);
     return access(path, F_OK) == 0;
 }
@@ -46,18 +43,16 @@ static int set_measure(sheard_config *config, const char *key, const char *text,
     bool given[MOST] = {false};
     const size_t n = sheard_settings_count() - config_n_rows;
     assert(n <= MOST);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         given[i] = config->lines[config_n_rows + i] != ORIGIN_DEFAULT;
-    }
     const int code = shear_settings_give(&config->measure, given, key, text, err);
     return code == SHEAR_OK ? code : shear_prefix(err, code, "[measure]");
 }
 
 static int set_index(sheard_config *config, size_t index, const char *text, shear_error *err) {
     sheard_setting s = sheard_setting_at(index);
-    if (s.type == SHEARD_T_MEASURE) {
+    if (s.type == SHEARD_T_MEASURE)
         return set_measure(config, s.key, text, err);
-    }
     value parsed;
     const int code = value_parse(&s, text, &parsed, err);
     if (code == SHEAR_OK) { /* in place of what is there */
@@ -72,17 +67,15 @@ int config_set_at(sheard_config *config, size_t index, const char *text, int lin
                   shear_error *err) {
     assert(index < sheard_settings_count() && line >= ORIGIN_EARLIER);
     const int code = set_index(config, index, text, err);
-    if (code == SHEAR_OK) {
+    if (code == SHEAR_OK)
         config->lines[index] = line;
-    }
     return code;
 }
 
 int sheard_config_init(sheard_config *config, shear_error *err) {
     *config = (sheard_config){.lines = calloc(sheard_settings_count(), sizeof(int))};
-    if (config->lines == NULL) {
+    if (config->lines == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
-    }
     shear_settings_init(&config->measure);
     for (size_t i = 0; i < config_n_rows; i++) {
         const int code = config_set_at(config, i, config_rows[i].initial, ORIGIN_DEFAULT, err);
@@ -95,12 +88,10 @@ int sheard_config_init(sheard_config *config, shear_error *err) {
 }
 
 void sheard_config_deinit(sheard_config *config) {
-    if (config == NULL) {
+    if (config == NULL)
         return;
-    }
-    for (size_t i = 0; i < config_n_rows; i++) {
+    for (size_t i = 0; i < config_n_rows; i++)
         value_deinit(&config_rows[i], config_member(config, &config_rows[i]));
-    }
     free(config->path);
     free(config->lines);
     *config = (sheard_config){0};
@@ -129,13 +120,11 @@ static int unknown_key(const char *section, const char *key, shear_error *err) {
 }
 
 int config_find(const char *section, const char *key, size_t *index, shear_error *err) {
-    if (sheard_section_help(section) == NULL) {
+    if (sheard_section_help(section) == NULL)
         return config_unknown_section(section, err);
-    }
     ptrdiff_t found = sheard_setting_find(section, key);
-    if (found < 0) {
+    if (found < 0)
         return unknown_key(section, key, err);
-    }
     *index = (size_t)found;
     return SHEAR_OK;
 }

@@ -13,9 +13,8 @@
 
 static int check_kind(int fd, shear_error *err) {
     struct stat st;
-    if (fstat(fd, &st) != 0) {
+    if (fstat(fd, &st) != 0)
         return shear_fail(err, SHEAR_E_IO, NULL, "cannot be examined: %s", strerror(errno));
-    }
     if (!S_ISREG(st.st_mode)) {
         return shear_fail(err, SHEAR_E_IO, "give the path of a configuration file",
                           "is not a regular file");
@@ -26,13 +25,11 @@ static int check_kind(int fd, shear_error *err) {
 static int read_all(int fd, char **text, size_t *size, shear_error *err) {
     /* One byte more than allowed, to see whether there is more. */
     CLEANUP(release_free) char *buf = malloc(CONFIG_FILE_MAX + 1);
-    if (buf == NULL) {
+    if (buf == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
-    }
     const ssize_t n = io_read(fd, buf, CONFIG_FILE_MAX + 1);
-    if (n < 0) {
+    if (n < 0)
         return shear_fail(err, SHEAR_E_IO, NULL, "cannot be read: %s", strerror(errno));
-    }
     if (n > CONFIG_FILE_MAX) {
         return shear_fail(err, SHEAR_E_IO, "is this the configuration?", "is larger than %d bytes",
                           (int)CONFIG_FILE_MAX);
@@ -47,9 +44,8 @@ int file_read(const char *path, bool may_miss, char **text, size_t *size, shear_
     *size = 0;
     /* Not blocked by a FIFO that nobody writes to. */
     CLEANUP(release_fd) int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
-    if (fd < 0 && errno == ENOENT && may_miss) {
+    if (fd < 0 && errno == ENOENT && may_miss)
         return SHEAR_OK;
-    }
     if (fd < 0) {
         return shear_fail(err, SHEAR_E_IO,
                           errno == ENOENT ? "without --config, the defaults are used" : NULL,

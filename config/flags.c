@@ -17,18 +17,16 @@ size_t sheard_flags_fill(struct option *options, size_t capacity) {
                 (struct option){s.flag, required_argument, NULL, SHEARD_FLAG_FIRST + (int)i};
         }
     }
-    if (n < capacity) {
+    if (n < capacity)
         options[n] = (struct option){NULL, 0, NULL, 0};
-    }
     return n;
 }
 
 int sheard_flags_assign(int val, const char *argument, sheard_list *assignments, shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
     const ptrdiff_t index = (ptrdiff_t)val - SHEARD_FLAG_FIRST;
-    if (index < 0 || (size_t)index >= sheard_settings_count()) {
+    if (index < 0 || (size_t)index >= sheard_settings_count())
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "option value %d is no setting's", val);
-    }
     sheard_setting s = sheard_setting_at((size_t)index);
     if (asprintf(&text, "%s.%s=%s", s.section, s.key, argument) < 0) {
         text = NULL; /* undefined after a failure */
@@ -58,9 +56,8 @@ void sheard_flags_help(FILE *out) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         sheard_setting s = sheard_setting_at(i);
         char text[1024];
-        if (s.flag == NULL) {
+        if (s.flag == NULL)
             continue;
-        }
         int column = fprintf(out, "  --%s %s", s.flag, metavar(&s));
         char expected[256];
         snprintf(text, sizeof text, "[%s] %s: %s %s (default %s)", s.section, s.key, s.help,

@@ -28,9 +28,8 @@ static int paste(FILE *page, shear_error *err) {
         }
     }
     free(line);
-    if (code == SHEAR_OK && !found) {
+    if (code == SHEAR_OK && !found)
         code = shear_fail(err, SHEAR_E_FORMAT, NULL, "has no line for the settings");
-    }
     return code;
 }
 

@@ -25,9 +25,8 @@ static void fault(const struct reader *r, const char *advice, const char *messag
 
 /* A line that should have become a value and did not has no '='. */
 static void settle(struct reader *r) {
-    if (r->expects) {
+    if (r->expects)
         fault(r, "write key = value; comments begin with '#' or ';'", "this line has no '='");
-    }
     r->expects = false;
 }
 
@@ -37,18 +36,16 @@ static bool is_blank(char c) {
 
 static size_t leading_blanks(const char *p, size_t n) {
     size_t i = 0;
-    while (i < n && is_blank(p[i])) {
+    while (i < n && is_blank(p[i]))
         i++;
-    }
     return i;
 }
 
 static bool has_control(const char *p, size_t n) {
     for (size_t i = 0; i < n; i++) {
         bool line_end = p[i] == '\r' && i + 1 == n;
-        if (iscntrl((unsigned char)p[i]) && p[i] != '\t' && !line_end) {
+        if (iscntrl((unsigned char)p[i]) && p[i] != '\t' && !line_end)
             return true;
-        }
     }
     return false;
 }
@@ -59,18 +56,16 @@ static void read_section(struct reader *r, const char *p, size_t n) {
     const char *close = memchr(p, ']', n);
     const char *first = p + 1 + leading_blanks(p + 1, n - 1);
     const char *last = close != NULL ? close : p + n;
-    while (last > first && is_blank(last[-1])) {
+    while (last > first && is_blank(last[-1]))
         last--;
-    }
     snprintf(name, sizeof name, "%.*s", (int)(last - first), first);
     if (close == NULL) {
         fault(r, "write [section]", "this section has no ']'");
     } else {
         const char *rest = close + 1;
         rest += leading_blanks(rest, (size_t)(p + n - rest));
-        if (rest < p + n && *rest != ';' && *rest != '#') {
+        if (rest < p + n && *rest != ';' && *rest != '#')
             fault(r, "settings go on lines of their own", "there is text behind the section's ']'");
-        }
     }
     r->has_key = false;
     r->events->section(r->events->context, r->line, name);
@@ -83,9 +78,8 @@ static enum kind examine(struct reader *r, const char *p, size_t n, size_t most)
     size_t i = leading_blanks(p, n);
     r->indented = i > 0;
     bool empty = i == n || p[i] == '#' || p[i] == ';';
-    if (empty && memchr(p, '\0', n) == NULL) {
+    if (empty && memchr(p, '\0', n) == NULL)
         return LINE_EMPTY;
-    }
     if (has_control(p, n)) {
         fault(r, "is this a text file?", "this line has control characters");
         return LINE_EMPTY;
@@ -108,9 +102,8 @@ static enum kind examine(struct reader *r, const char *p, size_t n, size_t most)
 static char *next_line(char *buf, int size, void *stream) {
     struct reader *r = stream;
     settle(r);
-    if (r->at == r->end || size < 8) {
+    if (r->at == r->end || size < 8)
         return NULL;
-    }
     const char *newline = memchr(r->at, '\n', (size_t)(r->end - r->at));
     const char *p = r->at;
     size_t n = (size_t)((newline != NULL ? newline : r->end) - p);
@@ -135,17 +128,15 @@ static void cut_comment(char *text) {
             break;
         }
     }
-    while (end > 0 && is_blank(text[end - 1])) {
+    while (end > 0 && is_blank(text[end - 1]))
         end--;
-    }
     text[end] = '\0';
 }
 
 static bool has_hash_comment(const char *value) {
     for (const char *p = value; (p = strchr(p, '#')) != NULL; p++) {
-        if (p == value || is_blank(p[-1])) {
+        if (p == value || is_blank(p[-1]))
             return true;
-        }
     }
     return false;
 }
@@ -157,9 +148,8 @@ static int on_value(void *user, const char *section, const char *key, const char
     bool continued = r->indented && r->has_key;
     char text[512];
     snprintf(text, sizeof text, "%s", value);
-    if (continued) {
+    if (continued)
         cut_comment(text);
-    }
     r->expects = false;
     r->has_key = key[0] != '\0';
     if (has_hash_comment(text)) {
@@ -178,8 +168,7 @@ int ini_text_read(const char *text, size_t size, const ini_events *events, shear
     size_t skip = size >= 3 && memcmp(text, mark, 3) == 0 ? 3 : 0;
     struct reader r = {.at = text + skip, .end = text + size, .events = events};
     int code = ini_parse_stream(next_line, &r, on_value, &r);
-    if (code == -2) {
+    if (code == -2)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for reading the configuration");
-    }
     return SHEAR_OK;
 }

@@ -20,12 +20,10 @@ int sheard_list_append(sheard_list *list, const char *text, shear_error *err) {
 }
 
 void sheard_list_deinit(sheard_list *list) {
-    if (list == NULL) {
+    if (list == NULL)
         return;
-    }
-    for (size_t i = 0; i < list->n; i++) {
+    for (size_t i = 0; i < list->n; i++)
         free(list->items[i]);
-    }
     free(list->items);
     *list = (sheard_list){0};
 }

@@ -40,9 +40,8 @@ static void on_fault(void *context, int line, const char *advice, const char *me
 /* Set the value that is held. */
 static void flush(loader *l) {
     shear_error error;
-    if (l->holds && config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK) {
+    if (l->holds && config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK)
         report(l, l->line, &error);
-    }
     free(l->text);
     l->text = NULL;
     l->holds = false;
@@ -119,16 +118,14 @@ static void on_value(void *context, int line, const char *key, const char *text,
         return;
     }
     flush(l);
-    if (!identify(l, line, key)) {
+    if (!identify(l, line, key))
         return;
-    }
     l->seen[l->index] = line;
     l->line = line;
     l->text = strdup(text);
     l->holds = l->text != NULL;
-    if (!l->holds) {
+    if (!l->holds)
         out_of_memory(l);
-    }
 }
 
 static int load_text(loader *l, const char *text, size_t size) {
@@ -147,9 +144,8 @@ static int load_text(loader *l, const char *text, size_t size) {
 /* Remember the file, and forget the lines of another one. */
 static int renew_path(sheard_config *config, const char *path, shear_error *err) {
     char *copy = strdup(path);
-    if (copy == NULL) {
+    if (copy == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
-    }
     free(config->path);
     config->path = copy;
     memset(config->lines, 0, sheard_settings_count() * sizeof *config->lines);
@@ -160,13 +156,11 @@ static int load(loader *l, bool may_miss) {
     CLEANUP(release_free) char *text = NULL;
     size_t size = 0;
     int code = renew_path(l->config, l->path, &l->error);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = file_read(l->path, may_miss, &text, &size, &l->error);
-    if (code != SHEAR_OK || text == NULL) {
+    if (code != SHEAR_OK || text == NULL)
         return code;
-    }
     return load_text(l, text, size);
 }
 

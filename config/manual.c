@@ -10,9 +10,8 @@
 static void print_roff(FILE *out, const char *text) {
     bool line_begins = true;
     for (; *text != '\0'; text++) {
-        if (line_begins && (*text == '.' || *text == '\'')) {
+        if (line_begins && (*text == '.' || *text == '\''))
             fputs("\\&", out);
-        }
         line_begins = text[0] == '.' && text[1] == ' ';
         if (line_begins) {
             fputs(".\n", out);
@@ -35,9 +34,8 @@ static void print_sentence(FILE *out, const char *text) {
 
 static int print_default(FILE *out, const sheard_config *defaults, size_t i, shear_error *err) {
     CLEANUP(release_free) char *text = sheard_config_format(defaults, i);
-    if (text == NULL) {
+    if (text == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the manual");
-    }
     fputs("Default: ", out);
     print_sentence(out, *text != '\0' ? text : "empty");
     return SHEAR_OK;
@@ -52,12 +50,10 @@ static int print_setting(FILE *out, const sheard_config *defaults, size_t i, she
     print_sentence(out, s.help);
     print_sentence(out, text_expected(&s, text, sizeof text));
     int code = print_default(out, defaults, i, err);
-    if (s.at_start) {
+    if (s.at_start)
         print_sentence(out, "A change takes effect at the next start.");
-    }
-    if (s.flag != NULL) {
+    if (s.flag != NULL)
         fprintf(out, "On the command line:\n.Fl \\-%s .\n", s.flag);
-    }
     return code;
 }
 
@@ -82,9 +78,8 @@ static int print_all(FILE *out, const sheard_config *defaults, shear_error *err)
 int sheard_config_print_manual(FILE *out, shear_error *err) {
     CLEANUP(sheard_config_deinit) sheard_config defaults = {0};
     int code = sheard_config_init(&defaults, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = print_all(out, &defaults, err);
     return code == SHEAR_OK ? text_flushed(out, err) : code;
 }

@@ -24,9 +24,8 @@ static const number_unit time_units[] = {{"d", 86400000}, {"h", 3600000}, {"min"
 static const number_unit no_units[] = {{"", 1}, {NULL, 0}};
 
 static const number_unit *units_of(const sheard_setting *s) {
-    if (s->type == SHEARD_T_BYTES) {
+    if (s->type == SHEARD_T_BYTES)
         return byte_units;
-    }
     return s->type == SHEARD_T_DURATION ? time_units : no_units;
 }
 
@@ -36,9 +35,8 @@ static bool read_digits(const char **text, int base, int64_t *number) {
     const char *p = *text;
     int64_t n = 0;
     for (; *p >= '0' && *p < '0' + base; p++) {
-        if (__builtin_mul_overflow(n, base, &n) || __builtin_add_overflow(n, *p - '0', &n)) {
+        if (__builtin_mul_overflow(n, base, &n) || __builtin_add_overflow(n, *p - '0', &n))
             n = INT64_MAX;
-        }
     }
     bool some = p > *text;
     *text = p;
@@ -48,9 +46,8 @@ static bool read_digits(const char **text, int base, int64_t *number) {
 
 static const number_unit *find_unit(const sheard_setting *s, const char *name) {
     for (const number_unit *u = units_of(s); u->name != NULL; u++) {
-        if (strcmp(u->name, name) == 0) {
+        if (strcmp(u->name, name) == 0)
             return u;
-        }
     }
     return NULL;
 }
@@ -58,16 +55,13 @@ static const number_unit *find_unit(const sheard_setting *s, const char *name) {
 /* Whether `text` is a number of this type at all; *number is INT64_MAX where it is too large. */
 static bool read_number(const sheard_setting *s, const char *text, int64_t *number) {
     int64_t n = 0;
-    if (!read_digits(&text, s->type == SHEARD_T_MODE ? 8 : 10, &n)) {
+    if (!read_digits(&text, s->type == SHEARD_T_MODE ? 8 : 10, &n))
         return false;
-    }
     const number_unit *u = find_unit(s, text);
-    if (u == NULL) {
+    if (u == NULL)
         return false;
-    }
-    if (__builtin_mul_overflow(n, u->factor, number)) {
+    if (__builtin_mul_overflow(n, u->factor, number))
         *number = INT64_MAX;
-    }
     return true;
 }
 

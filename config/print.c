@@ -35,9 +35,8 @@ static bool begins_section(size_t i) {
 static void print_value(FILE *out, const char *lead, const sheard_setting *s, const char *text) {
     const bool is_list = value_is_list(s);
     fprintf(out, "%s%s =%s", lead, s->key, *text != '\0' ? " " : "");
-    for (const char *comma; is_list && (comma = strstr(text, ", ")) != NULL; text = comma + 2) {
+    for (const char *comma; is_list && (comma = strstr(text, ", ")) != NULL; text = comma + 2)
         fprintf(out, "%.*s,\n%s    ", (int)(comma - text), text, lead);
-    }
     fprintf(out, "%s\n", text);
 }
 
@@ -45,9 +44,8 @@ static int print_setting(FILE *out, const sheard_config *config, size_t i, const
                          shear_error *err) {
     sheard_setting s = sheard_setting_at(i);
     CLEANUP(release_free) char *text = sheard_config_format(config, i);
-    if (text == NULL) {
+    if (text == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for printing");
-    }
     print_value(out, lead, &s, text);
     return SHEAR_OK;
 }
@@ -55,14 +53,12 @@ static int print_setting(FILE *out, const sheard_config *config, size_t i, const
 int sheard_config_print(const sheard_config *config, FILE *out, shear_error *err) {
     char where[256];
     for (size_t i = 0; i < sheard_settings_count(); i++) {
-        if (begins_section(i)) {
+        if (begins_section(i))
             fprintf(out, "%s[%s]\n", i > 0 ? "\n" : "", sheard_setting_at(i).section);
-        }
         fprintf(out, "# %s\n", config_where(config, i, where, sizeof where));
         int code = print_setting(out, config, i, "", err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return text_flushed(out, err);
 }
@@ -78,26 +74,23 @@ static int sample_setting(FILE *out, const sheard_config *defaults, size_t i, sh
     fputc('\n', out);
     comment(out, s.help);
     comment(out, text_expected(&s, text, sizeof text));
-    if (s.at_start) {
+    if (s.at_start)
         comment(out, "A change takes effect at the next start.");
-    }
     return print_setting(out, defaults, i, "#", err);
 }
 
 int sheard_config_print_sample(FILE *out, shear_error *err) {
     CLEANUP(sheard_config_deinit) sheard_config defaults = {0};
     int code = sheard_config_init(&defaults, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     fputs("# SPDX-License-Identifier: GPL-3.0-or-later\n"
           "# sheard.conf: the configuration of sheard.\n#\n",
           out);
     comment(out, preamble);
     fputs("#\n", out);
     comment(out, preamble_use);
-    for (size_t i = 0; i < sheard_settings_count() && code == SHEAR_OK; i++) {
+    for (size_t i = 0; i < sheard_settings_count() && code == SHEAR_OK; i++)
         code = sample_setting(out, &defaults, i, err);
-    }
     return code == SHEAR_OK ? text_flushed(out, err) : code;
 }

@@ -8,9 +8,8 @@
 
 static void keep(sheard_problems *problems, const char *where, bool is_warning,
                  const shear_error *error) {
-    if (problems->n_kept == SHEARD_PROBLEMS_KEPT) {
+    if (problems->n_kept == SHEARD_PROBLEMS_KEPT)
         return;
-    }
     sheard_problem *p = &problems->kept[problems->n_kept++];
     snprintf(p->where, sizeof p->where, "%s", where);
     p->is_warning = is_warning;
@@ -37,9 +36,8 @@ void problems_warn(sheard_problems *problems, const char *where, const char *adv
 
 char *place_in_file(const char *path, int line, char *buf, size_t size) {
     char number[16] = "";
-    if (line > 0) {
+    if (line > 0)
         snprintf(number, sizeof number, ":%d", line);
-    }
     const size_t capacity = size - strlen(number) - 1;
     size_t length = strlen(path);
     bool cut = length > capacity;
@@ -50,9 +48,8 @@ char *place_in_file(const char *path, int line, char *buf, size_t size) {
 
 char *config_where(const sheard_config *config, size_t index, char *buf, size_t size) {
     int line = config->lines[index];
-    if (line > 0) {
+    if (line > 0)
         return place_in_file(config->path, line, buf, size);
-    }
     static const char *const others[] = {"default", "command line", "earlier configuration"};
     assert(line >= ORIGIN_EARLIER);
     snprintf(buf, size, "%s", others[-line]);
@@ -64,38 +61,33 @@ void sheard_problems_print(const sheard_problems *problems, FILE *out) {
         const sheard_problem *p = &problems->kept[i];
         fprintf(out, "%s: %s: %s\n", p->where, p->is_warning ? "warning" : "error",
                 p->error.message);
-        if (p->error.advice[0] != '\0') {
+        if (p->error.advice[0] != '\0')
             fprintf(out, "    %s\n", p->error.advice);
-        }
     }
     size_t left_out = problems->n_errors + problems->n_warnings - problems->n_kept;
-    if (left_out > 0) {
+    if (left_out > 0)
         fprintf(out, "... and %zu more\n", left_out);
-    }
 }
 
 static const sheard_problem *first_error(const sheard_problems *problems) {
     for (size_t i = 0; i < problems->n_kept; i++) {
-        if (!problems->kept[i].is_warning) {
+        if (!problems->kept[i].is_warning)
             return &problems->kept[i];
-        }
     }
     return NULL;
 }
 
 int sheard_problems_error(const sheard_problems *problems, shear_error *err) {
-    if (problems->n_errors == 0) {
+    if (problems->n_errors == 0)
         return SHEAR_OK;
-    }
     const sheard_problem *p = first_error(problems);
     if (p == NULL) { /* behind more warnings than are kept */
         return shear_fail(err, SHEAR_E_SETTING, "sheard --check-config lists them",
                           "the configuration has %zu errors", problems->n_errors);
     }
     char more[40] = "";
-    if (problems->n_errors > 1) {
+    if (problems->n_errors > 1)
         snprintf(more, sizeof more, " (and %zu more)", problems->n_errors - 1);
-    }
     return shear_fail(err, p->error.code, p->error.advice, "%s: %.240s%s", p->where,
                       p->error.message, more);
 }

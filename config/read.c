@@ -7,9 +7,8 @@ static void assign_all(sheard_config *config, const sheard_list *assignments,
                        sheard_problems *problems) {
     for (size_t i = 0; assignments != NULL && i < assignments->n; i++) {
         shear_error error;
-        if (sheard_config_assign(config, assignments->items[i], &error) != SHEAR_OK) {
+        if (sheard_config_assign(config, assignments->items[i], &error) != SHEAR_OK)
             (void)problems_add(problems, "command line", &error);
-        }
     }
 }
 
@@ -23,18 +22,15 @@ int sheard_config_read(sheard_config *config, const char *path, const sheard_lis
                        sheard_problems *problems) {
     shear_error error;
     size_t before = problems->n_errors;
-    if (sheard_config_init(config, &error) != SHEAR_OK) {
+    if (sheard_config_init(config, &error) != SHEAR_OK)
         return problems_add(problems, "default", &error);
-    }
     (void)sheard_config_load(config, path, problems);
     assign_all(config, assignments, problems);
-    if (problems->n_errors == before) {
+    if (problems->n_errors == before)
         (void)sheard_config_check(config, problems);
-    }
     int code = first_code(problems, before);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         sheard_config_deinit(config);
-    }
     return code;
 }
 

@@ -10,9 +10,8 @@
 
 bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t index) {
     sheard_setting s = sheard_setting_at(index);
-    if (s.type != SHEARD_T_MEASURE) {
+    if (s.type != SHEARD_T_MEASURE)
         return value_equal(&s, config_const_member(a, &s), config_const_member(b, &s));
-    }
     char text_a[VALUE_TEXT_MAX]; /* "auto" is NaN, which equals nothing: compare the texts */
     char text_b[VALUE_TEXT_MAX];
     return strcmp(shear_settings_format(&a->measure, s.measure, text_a, sizeof text_a),
@@ -24,9 +23,8 @@ size_t sheard_config_changes(const sheard_config *a, const sheard_config *b, boo
     size_t n = 0;
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         if ((!at_start || sheard_setting_at(i).at_start) && !sheard_config_same(a, b, i)) {
-            if (n < capacity) {
+            if (n < capacity)
                 changed[n] = i;
-            }
             n++;
         }
     }
@@ -45,9 +43,8 @@ static void swap_bytes(void *a, void *b, size_t n) {
 static void exchange(sheard_config *a, sheard_config *b) {
     for (size_t i = 0; i < config_n_rows; i++) {
         const sheard_setting *s = &config_rows[i];
-        if (!s->at_start) {
+        if (!s->at_start)
             swap_bytes(config_member(a, s), config_member(b, s), value_size(s));
-        }
     }
     shear_settings measure = a->measure;
     a->measure = b->measure;
@@ -72,9 +69,8 @@ static void warn_of_start(const sheard_config *running, const sheard_config *fre
 /* What runs on although its line says otherwise now. */
 static void mark_earlier(sheard_config *running, const sheard_config *fresh) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
-        if (sheard_setting_at(i).at_start && !sheard_config_same(running, fresh, i)) {
+        if (sheard_setting_at(i).at_start && !sheard_config_same(running, fresh, i))
             running->lines[i] = ORIGIN_EARLIER;
-        }
     }
 }
 
@@ -82,9 +78,8 @@ int sheard_config_reload(sheard_config *running, sheard_config *fresh, sheard_pr
     exchange(running, fresh);
     int code = sheard_config_check(running, problems);
     exchange(running, fresh);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     warn_of_start(running, fresh, problems);
     exchange(running, fresh);
     mark_earlier(running, fresh);

@@ -45,9 +45,8 @@ size_t sheard_settings_count(void) {
 
 sheard_setting sheard_setting_at(size_t i) {
     assert(i < sheard_settings_count());
-    if (i < config_n_rows) {
+    if (i < config_n_rows)
         return config_rows[i];
-    }
     size_t n = 0;
     const shear_setting_def *def = &shear_settings_table(&n)[i - config_n_rows];
     return (sheard_setting){.section = "measure",
@@ -62,45 +61,40 @@ sheard_setting sheard_setting_at(size_t i) {
 ptrdiff_t sheard_setting_find(const char *section, const char *key) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         sheard_setting s = sheard_setting_at(i);
-        if (strcmp(s.section, section) == 0 && spelling_same(s.key, key)) {
+        if (strcmp(s.section, section) == 0 && spelling_same(s.key, key))
             return (ptrdiff_t)i;
-        }
     }
     return -1;
 }
 
 const char *sheard_section_help(const char *section) {
     for (size_t i = 0; i < N_SECTIONS; i++) {
-        if (strcmp(sections[i].name, section) == 0) {
+        if (strcmp(sections[i].name, section) == 0)
             return sections[i].help;
-        }
     }
     return NULL;
 }
 
 const char *config_nearest_section(const char *name) {
     spelling s = {.given = name};
-    for (size_t i = 0; i < N_SECTIONS; i++) {
+    for (size_t i = 0; i < N_SECTIONS; i++)
         spelling_consider(&s, sections[i].name);
-    }
     return s.best;
 }
 
 const char *config_nearest_key(const char *section, const char *key) {
     spelling s = {.given = key};
     for (size_t i = 0; i < sheard_settings_count(); i++) {
-        if (strcmp(sheard_setting_at(i).section, section) == 0) {
+        if (strcmp(sheard_setting_at(i).section, section) == 0)
             spelling_consider(&s, sheard_setting_at(i).key);
-        }
     }
     return s.best;
 }
 
 const char *config_section_of(const char *key) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
-        if (spelling_same(sheard_setting_at(i).key, key)) {
+        if (spelling_same(sheard_setting_at(i).key, key))
             return sheard_setting_at(i).section;
-        }
     }
     return NULL;
 }

@@ -42,22 +42,19 @@ static void expect_measure(const shear_setting_def *def, char *buf, size_t size)
         return;
     }
     snprintf(buf, size, "%s from %g", kind, def->min);
-    if (def->max < DBL_MAX) {
+    if (def->max < DBL_MAX)
         text_append(buf, size, " to %g", def->max);
-    }
     text_append(buf, size, "%s%s", def->unit[0] != '\0' ? " " : "", def->unit);
-    if (def->has_auto) {
+    if (def->has_auto)
         text_append(buf, size, ", or %s", shear_setting_auto(def));
-    }
 }
 
 static void expect(const sheard_setting *s, char *buf, size_t size) {
     switch (s->type) {
     case SHEARD_T_PATH:
         text_set(buf, size, "an absolute path");
-        if (s->word != NULL) {
+        if (s->word != NULL)
             text_append(buf, size, ", or %s", s->word);
-        }
         break;
     case SHEARD_T_NAME:
         text_set(buf, size, "a name, or empty");

@@ -15,9 +15,8 @@
 static bool has_dots(const char *path) {
     for (const char *p = path; *p != '\0';) {
         size_t n = strcspn(p, "/");
-        if ((n == 1 && p[0] == '.') || (n == 2 && p[0] == '.' && p[1] == '.')) {
+        if ((n == 1 && p[0] == '.') || (n == 2 && p[0] == '.' && p[1] == '.'))
             return true;
-        }
         p += n;
         p += strspn(p, "/");
     }
@@ -28,9 +27,8 @@ static bool has_dots(const char *path) {
  * which would begin a comment there. */
 static bool has_unwritable(const char *text) {
     for (const char *p = text; *p != '\0'; p++) {
-        if (iscntrl((unsigned char)*p) || (*p == ' ' && (p[1] == ';' || p[1] == '#'))) {
+        if (iscntrl((unsigned char)*p) || (*p == ' ' && (p[1] == ';' || p[1] == '#')))
             return true;
-        }
     }
     return text[0] != '\0' && text[strlen(text) - 1] == ' ';
 }
@@ -63,13 +61,11 @@ static int check_path(const sheard_setting *s, const char *text, shear_error *er
 static void tidy_path(char *path) {
     char *to = path;
     for (const char *from = path; *from != '\0'; from++) {
-        if (*from != '/' || from == path || from[-1] != '/') {
+        if (*from != '/' || from == path || from[-1] != '/')
             *to++ = *from;
-        }
     }
-    if (to > path + 1 && to[-1] == '/') {
+    if (to > path + 1 && to[-1] == '/')
         to--;
-    }
     *to = '\0';
 }
 
@@ -89,9 +85,8 @@ static bool is_path(const sheard_setting *s) {
 }
 
 static int check_item(const sheard_setting *s, const char *item, shear_error *err) {
-    if (s->word != NULL && strcmp(item, s->word) == 0) {
+    if (s->word != NULL && strcmp(item, s->word) == 0)
         return SHEAR_OK;
-    }
     return is_path(s) ? check_path(s, item, err) : check_name(s, item, err);
 }
 
@@ -99,16 +94,14 @@ static int check_item(const sheard_setting *s, const char *item, shear_error *er
 static int parse_item(const sheard_setting *s, const char *text, size_t n, char **item,
                       shear_error *err) {
     CLEANUP(release_free) char *copy = strndup(text, n);
-    if (copy == NULL) {
+    if (copy == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %s", s->key);
-    }
     if (is_path(s)) {
         tidy_path(copy); /* before the check: "/a /" becomes "/a ", which cannot be written */
     }
     const int code = check_item(s, copy, err);
-    if (code == SHEAR_OK) {
+    if (code == SHEAR_OK)
         *item = CLEANUP_TAKE(copy);
-    }
     return code;
 }
 
@@ -116,9 +109,8 @@ static int parse_item(const sheard_setting *s, const char *text, size_t n, char 
 
 static bool contains(const sheard_list *list, const char *item) {
     for (size_t i = 0; i < list->n; i++) {
-        if (strcmp(list->items[i], item) == 0) {
+        if (strcmp(list->items[i], item) == 0)
             return true;
-        }
     }
     return false;
 }
@@ -127,9 +119,8 @@ static int add_item(const sheard_setting *s, sheard_list *list, const char *text
                     shear_error *err) {
     CLEANUP(release_free) char *item = NULL;
     const int code = parse_item(s, text, n, &item, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (contains(list, item)) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.200s' is listed twice",
                           s->section, s->key, item);
@@ -145,13 +136,11 @@ static int parse_list(const sheard_setting *s, const char *text, sheard_list *ou
         text += strspn(text, blank);
         const size_t length = strcspn(text, ",\n");
         size_t n = length;
-        while (n > 0 && strchr(blank, text[n - 1]) != NULL) {
+        while (n > 0 && strchr(blank, text[n - 1]) != NULL)
             n--;
-        }
         const int code = n > 0 ? add_item(s, &list, text, n, err) : SHEAR_OK;
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         text += length + (text[length] != '\0');
     }
     *out = list;
@@ -190,9 +179,8 @@ static int parse_bool(const sheard_setting *s, const char *text, bool *flag, she
 static int parse_mode(const sheard_setting *s, const char *text, unsigned *mode, shear_error *err) {
     int64_t number = 0;
     const int code = number_parse(s, text, &number, err);
-    if (code == SHEAR_OK) {
+    if (code == SHEAR_OK)
         *mode = (unsigned)number;
-    }
     return code;
 }
 

@@ -27,13 +27,11 @@ size_t value_size(const sheard_setting *s) {
 
 static char *join(const sheard_list *list) {
     size_t size = 1;
-    for (size_t i = 0; i < list->n; i++) {
+    for (size_t i = 0; i < list->n; i++)
         size += strlen(list->items[i]) + 2;
-    }
     char *text = malloc(size);
-    if (text == NULL) {
+    if (text == NULL)
         return NULL;
-    }
     char *to = text;
     for (size_t i = 0; i < list->n; i++) {
         to = stpcpy(to, i > 0 ? ", " : "");
@@ -49,9 +47,8 @@ static char *format_number(const sheard_setting *s, int64_t number) {
 }
 
 char *value_format(const sheard_setting *s, const void *member) {
-    if (value_is_list(s)) {
+    if (value_is_list(s))
         return join(member);
-    }
     switch (s->type) {
     case SHEARD_T_PATH:
     case SHEARD_T_NAME:
@@ -68,13 +65,11 @@ char *value_format(const sheard_setting *s, const void *member) {
 }
 
 static bool same_list(const sheard_list *a, const sheard_list *b) {
-    if (a->n != b->n) {
+    if (a->n != b->n)
         return false;
-    }
     for (size_t i = 0; i < a->n; i++) {
-        if (strcmp(a->items[i], b->items[i]) != 0) {
+        if (strcmp(a->items[i], b->items[i]) != 0)
             return false;
-        }
     }
     return true;
 }

@@ -57,9 +57,8 @@ static void warn_names(warning_scene *scene, const char *key, const sheard_list 
 static void warn_accounts(warning_scene *scene) {
     const sheard_config *c = scene->config;
     char *buf = malloc(ENTRY_BYTES);
-    if (buf == NULL) {
+    if (buf == NULL)
         return;
-    }
     warn_names(scene, "admin_users", &c->access.admin_users, true, buf);
     warn_names(scene, "admin_groups", &c->access.admin_groups, false, buf);
     warn_names(scene, "submit_groups", &c->access.submit_groups, false, buf);

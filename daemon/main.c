@@ -77,15 +77,13 @@ static int serve(sheard_config *config, const command_line *line) {
     log_options_init(&options);
     options.level = (enum log_level)config->daemon.log_level;
     log_open(&options);
-    if (config->daemon.nice != 0) {
+    if (config->daemon.nice != 0)
         setpriority(PRIO_PROCESS, 0, (int)config->daemon.nice);
-    }
     umask(027);
     if (service_open(&s, config, line->path, &line->assignments, &err) != SHEAR_OK) {
         log_error("%s", err.message);
-        if (err.advice[0] != '\0') {
+        if (err.advice[0] != '\0')
             log_error("advice: %s", err.advice);
-        }
         log_drain(LAST_LINES_MS);
         return 1;
     }
@@ -100,9 +98,8 @@ static int act(const command_line *line) {
     static sheard_problems problems;
     sheard_config config;
     shear_error err = {0};
-    if (line->action == OPT_HELP) {
+    if (line->action == OPT_HELP)
         return usage(stdout, 0);
-    }
     if (line->action == OPT_VERSION) {
         printf("sheard %s\n", shear_version());
         return 0;
@@ -112,12 +109,10 @@ static int act(const command_line *line) {
                                                                                     : 0;
     }
     const int code = sheard_config_read(&config, line->path, &line->assignments, &problems);
-    if (problems.n_errors + problems.n_warnings > 0) {
+    if (problems.n_errors + problems.n_warnings > 0)
         sheard_problems_print(&problems, stderr);
-    }
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return EXIT_CONFIG;
-    }
     if (line->action == OPT_PRINT) {
         const int printed = sheard_config_print(&config, stdout, &err);
         sheard_config_deinit(&config);

@@ -49,9 +49,8 @@ int main(void) {
     float *galaxy = malloc(sizeof *galaxy * GALAXIES * PIXELS);
     float *noise = malloc(sizeof *noise * GALAXIES * PIXELS);
     static double psf[PIXELS];
-    if (galaxy == NULL || noise == NULL) {
+    if (galaxy == NULL || noise == NULL)
         return EXIT_FAILURE;
-    }
     for (size_t i = 0; i < GALAXIES; i++) {
         draw_galaxy(galaxy + i * PIXELS);
         draw(noise + i * PIXELS, 0.0, 1.0, 0.0, 1.0);

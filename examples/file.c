@@ -33,18 +33,15 @@ int main(int argc, char **argv) {
     }
     shear_settings_init(&settings);
     for (int i = 2; i < argc; i++) {
-        if (set(&settings, argv[i], &err) != SHEAR_OK) {
+        if (set(&settings, argv[i], &err) != SHEAR_OK)
             return fail(&err);
-        }
     }
-    if (shear_field_sums_new(&sums, &err) != SHEAR_OK) {
+    if (shear_field_sums_new(&sums, &err) != SHEAR_OK)
         return fail(&err);
-    }
     const int code = shear_run_file(argv[1], &settings, NULL, sums, NULL, &report, &err);
     shear_field_sums_free(sums);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return fail(&err);
-    }
     const shear_result *r = &report.result;
     printf("g1 = %+.17g +- %.2g\n", r->g1, r->g1_err);
     printf("g2 = %+.17g +- %.2g\n", r->g2, r->g2_err);

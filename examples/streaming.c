@@ -16,15 +16,13 @@ typedef struct stream {
 
 static int open_stream(stream *s, const char *path, shear_error *err) {
     int code = shear_field_open(&s->field, path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_settings settings;
     shear_settings_init(&settings);
     code = shear_plan_for_field(&s->plan, &settings, s->field, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_block_new(&s->block, shear_field_get_info(s->field), STAMPS, err);
     return code != SHEAR_OK ? code : shear_field_sums_new(&s->sums, err);
 }
@@ -42,9 +40,8 @@ static void add_rows(shear_field_sums *sums, const shear_row *rows, int count) {
     for (int i = 0; i < count; i += SHEAR_BLOCK) {
         shear_block_sums block;
         shear_block_sums_init(&block);
-        for (int k = i; k < count && k < i + SHEAR_BLOCK; k++) {
+        for (int k = i; k < count && k < i + SHEAR_BLOCK; k++)
             shear_block_sums_add(&block, &rows[k]);
-        }
         shear_field_sums_add(sums, &block);
     }
 }
@@ -52,28 +49,24 @@ static void add_rows(shear_field_sums *sums, const shear_row *rows, int count) {
 static int measure(stream *s, int64_t first, int count, shear_error *err) {
     shear_row rows[STAMPS];
     int code = shear_field_read(s->field, first, count, s->block, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_measure_batch(s->plan, &s->block->stamps, 0, NULL, rows, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     add_rows(s->sums, rows, count);
     return SHEAR_OK;
 }
 
 static int run(stream *s, const char *path, shear_result *result, shear_error *err) {
     int code = open_stream(s, path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const int64_t n = shear_field_get_info(s->field)->n_stamps;
     for (int64_t first = 0; first < n; first += STAMPS) {
         code = measure(s, first, n - first < STAMPS ? (int)(n - first) : STAMPS, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     shear_field_result(s->sums, result);
     return SHEAR_OK;

@@ -16,9 +16,8 @@ static const double BARE_ROOM = 8.0;
 /* A range that can be drawn. */
 static shear_range usable_range(const shear_axis *axis) {
     shear_range r = shear_range_pad(axis->range, 0.0);
-    if (!axis->log) {
+    if (!axis->log)
         return isfinite(r.hi - r.lo) ? r : (shear_range){0.0, 1.0};
-    }
     r.hi = r.hi > 0.0 ? r.hi : 1.0;
     r.lo = r.lo > 0.0 && r.lo < r.hi ? r.lo : 1e-3 * r.hi;
     return r.lo >= DBL_MIN ? r : (shear_range){1e-3, 1.0}; /* below, powers of ten lose digits */
@@ -42,9 +41,8 @@ static double widest_label(shear_figure *f, const shear_axis *axis, const shear_
 static void choose_ticks(shear_figure *f, const shear_axis *axis, double length, double spacing,
                          bool horizontal, shear_ticks *ticks) {
     *ticks = (shear_ticks){0};
-    if (axis->n_names > 0) {
+    if (axis->n_names > 0)
         return;
-    }
     int at_most = (int)fmin(fmax(length / spacing, 2.0), 9.0);
     for (;; at_most--) {
         if (axis->log) {
@@ -53,9 +51,8 @@ static void choose_ticks(shear_figure *f, const shear_axis *axis, double length,
             shear_ticks_linear(ticks, axis->range.lo, axis->range.hi, at_most);
         }
         const double taken = ticks->n * (widest_label(f, axis, ticks) + 12.0);
-        if (!horizontal || at_most <= 2 || taken <= length + 20.0) {
+        if (!horizontal || at_most <= 2 || taken <= length + 20.0)
             return;
-        }
     }
 }
 
@@ -94,16 +91,14 @@ static double place_of(const open_axes *axes, bool along_x, double v) {
 static void draw_minor_ticks(shear_figure *f, bool along_x) {
     const shear_axis *axis = along_x ? &f->axes.spec.x : &f->axes.spec.y;
     const shear_range r = axis->range;
-    if (!axis->log || log10(r.hi / r.lo) > 8.0) {
+    if (!axis->log || log10(r.hi / r.lo) > 8.0)
         return;
-    }
     const int last = (int)floor(log10(r.hi));
     for (int e = (int)floor(log10(r.lo)); e <= last; e++) {
         for (int digit = 2; digit < 10; digit++) {
             const double v = digit * pow(10.0, e);
-            if (v > r.lo && v < r.hi) {
+            if (v > r.lo && v < r.hi)
                 draw_tick(f, along_x, place_of(&f->axes, along_x, v), MINOR_LENGTH);
-            }
         }
     }
 }
@@ -111,9 +106,8 @@ static void draw_minor_ticks(shear_figure *f, bool along_x) {
 static void draw_ticks(shear_figure *f, bool along_x) {
     const open_axes *axes = &f->axes;
     const shear_ticks *ticks = along_x ? &axes->x_ticks : &axes->y_ticks;
-    for (int i = 0; i < ticks->n; i++) {
+    for (int i = 0; i < ticks->n; i++)
         draw_tick(f, along_x, place_of(axes, along_x, ticks->at[i]), TICK_LENGTH);
-    }
 }
 
 static void draw_power(shear_figure *f, double x, double y, double align, int exponent) {
@@ -146,9 +140,8 @@ static void label_x(shear_figure *f, const open_axes *axes, double outward) {
     const double y = r.y + r.h + 11.0 + outward;
     const double below = axis->bare ? r.y + r.h + 14.0 : y + LABEL_ROOM - 1.0;
     label_ticks(f, true, y, 0.5);
-    if (!axis->bare && axes->x_ticks.exponent != 0) {
+    if (!axis->bare && axes->x_ticks.exponent != 0)
         draw_power(f, r.x + r.w, below, 1.0, axes->x_ticks.exponent);
-    }
     shear_figure_text(f, r.x + r.w / 2.0, below, axis->label,
                       &(shear_text_style){.size = LABEL_SIZE, .align = 0.5});
 }
@@ -159,9 +152,8 @@ static void label_y(shear_figure *f, const open_axes *axes, double outward) {
     const double x = r.x - 6.0 - outward;
     const double left = x - widest_label(f, axis, &axes->y_ticks) - 12.0;
     label_ticks(f, false, x, 1.0);
-    if (!axis->bare && axes->y_ticks.exponent != 0) {
+    if (!axis->bare && axes->y_ticks.exponent != 0)
         draw_power(f, r.x, r.y - 9.0, 0.0, axes->y_ticks.exponent);
-    }
     shear_figure_text(f, left, r.y + r.h / 2.0, axis->label,
                       &(shear_text_style){.size = LABEL_SIZE, .align = 0.5, .upward = true});
 }
@@ -190,9 +182,8 @@ static shear_rect equal_units(shear_rect r, shear_range x, shear_range y) {
 }
 
 void shear_axes_begin(shear_figure *figure, const shear_axes *axes) {
-    if (!figure_good(figure)) {
+    if (!figure_good(figure))
         return;
-    }
     const shear_axis *x = &axes->x;
     shear_axis y = axes->y;
     y.range = usable_range(&axes->y);
@@ -207,16 +198,14 @@ void shear_axes_begin(shear_figure *figure, const shear_axes *axes) {
                                                (y.label != NULL ? LABEL_ROOM : 0.0);
     shear_rect frame = {axes->cell.x + left, axes->cell.y + top, axes->cell.w - left - 12.0,
                         height};
-    if (axes->equal) {
+    if (axes->equal)
         frame = equal_units(frame, usable_range(x), y.range);
-    }
     axes_open(figure, axes, frame);
 }
 
 void shear_axes_end(shear_figure *figure) {
-    if (!axes_ready(figure)) {
+    if (!axes_ready(figure))
         return;
-    }
     const open_axes *axes = &figure->axes;
     const shear_rect r = axes->frame;
     const double outward = axes->image && axes->ticks ? TICK_LENGTH : 0.0;
@@ -250,7 +239,6 @@ void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *s
         figure_set_colour(f, shear_palette(SHEAR_BLACK));
     }
     cairo_stroke(f->cr);
-    if (ticks->exponent != 0) {
+    if (ticks->exponent != 0)
         draw_power(f, bar.x, bar.y - 9.0, 0.0, ticks->exponent);
-    }
 }

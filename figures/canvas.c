@@ -14,9 +14,8 @@ int shear_figure_new(shear_figure **figure, int width, int height, shear_error *
                           "a figure of %d x %d pixels cannot be drawn", width, height);
     }
     shear_figure *f = calloc(1, sizeof *f);
-    if (f == NULL) {
+    if (f == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a figure");
-    }
     f->width = width;
     f->height = height;
     f->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
@@ -34,18 +33,16 @@ int shear_figure_new(shear_figure **figure, int width, int height, shear_error *
 }
 
 void shear_figure_free(shear_figure *figure) {
-    if (figure == NULL) {
+    if (figure == NULL)
         return;
-    }
     cairo_destroy(figure->cr);
     cairo_surface_destroy(figure->surface);
     free(figure);
 }
 
 void figure_failed(shear_figure *f, int code, const char *message) {
-    if (f->error.code == SHEAR_OK) {
+    if (f->error.code == SHEAR_OK)
         shear_fail(&f->error, code, NULL, "%s", message);
-    }
 }
 
 bool figure_good(shear_figure *f) {
@@ -58,9 +55,8 @@ bool figure_good(shear_figure *f) {
 }
 
 void figure_set_colour(shear_figure *f, shear_colour colour) {
-    if (colour.a == 0.0) {
+    if (colour.a == 0.0)
         colour = shear_palette(SHEAR_BLACK);
-    }
     cairo_set_source_rgba(f->cr, colour.r, colour.g, colour.b, colour.a);
 }
 

@@ -39,9 +39,8 @@ static double uniform_chroma(double t) {
 
 shear_colour shear_map_colour(enum shear_map map, double t) {
     t = clamp01(t);
-    if (map == SHEAR_MAP_GREY) {
+    if (map == SHEAR_MAP_GREY)
         return from_oklab(t, 0.0, 0.0);
-    }
     const double degree = acos(-1.0) / 180.0;
     const double hue = (305.0 - 200.0 * t) * degree;
     const double chroma = uniform_chroma(t);

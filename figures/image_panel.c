@@ -28,21 +28,18 @@ typedef struct paint {
 } paint;
 
 static void paint_init(paint *p, const shear_image *image) {
-    for (int i = 0; i <= STEPS; i++) {
+    for (int i = 0; i <= STEPS; i++)
         p->steps[i] = packed(shear_map_colour(image->map, (double)i / STEPS));
-    }
     p->negative = packed(shear_map_negative());
     p->not_finite = packed(image->not_finite.a > 0.0 ? image->not_finite : shear_map_not_finite());
     p->mark_negative = image->mark_negative;
 }
 
 static uint32_t paint_of(const paint *p, const shear_stretch *stretch, double value) {
-    if (!isfinite(value)) {
+    if (!isfinite(value))
         return p->not_finite;
-    }
-    if (p->mark_negative && value < 0.0) {
+    if (p->mark_negative && value < 0.0)
         return p->negative;
-    }
     return p->steps[lround(STEPS * shear_stretch_apply(stretch, value))];
 }
 
@@ -51,9 +48,8 @@ static bool find_stretch(shear_figure *f, const shear_image *image, shear_stretc
     shear_range limits = image->limits;
     shear_range percent = image->percentiles;
     if (!(limits.lo != limits.hi)) {
-        if (!(percent.lo != percent.hi)) {
+        if (!(percent.lo != percent.hi))
             percent = (shear_range){0.5, 99.8};
-        }
         shear_error err = {0};
         const size_t n = (size_t)image->nx * (size_t)image->ny;
         if (shear_range_percentile(&limits, image->pixels, n, percent.lo, percent.hi, &err) != 0) {
@@ -82,9 +78,8 @@ static cairo_surface_t *surface_of(shear_figure *f, const shear_image *image,
     for (int row = 0; row < image->ny; row++) {
         const double *pixels = image->pixels + (ptrdiff_t)row * image->nx;
         uint32_t *out = (uint32_t *)(void *)(data + stride * (image->ny - 1 - row));
-        for (int column = 0; column < image->nx; column++) {
+        for (int column = 0; column < image->nx; column++)
             out[column] = paint_of(&p, stretch, pixels[column]);
-        }
     }
     cairo_surface_mark_dirty(surface);
     return surface;
@@ -150,9 +145,8 @@ static shear_rect frame_of(const shear_image *image) {
 }
 
 void shear_image_begin(shear_figure *figure, const shear_image *image) {
-    if (!figure_good(figure)) {
+    if (!figure_good(figure))
         return;
-    }
     if (image->pixels == NULL || image->nx < 1 || image->ny < 1 || image->nx > MAX_IMAGE_SIDE ||
         image->ny > MAX_IMAGE_SIDE) {
         figure_failed(figure, SHEAR_E_INTERNAL, "an image needs 1 to 32767 pixels a side");
@@ -168,16 +162,13 @@ void shear_image_begin(shear_figure *figure, const shear_image *image) {
     figure->axes.image = true;
     figure->axes.ticks = image->ticks;
     shear_stretch stretch;
-    if (!figure_good(figure) || !find_stretch(figure, image, &stretch)) {
+    if (!figure_good(figure) || !find_stretch(figure, image, &stretch))
         return;
-    }
     cairo_surface_t *surface = surface_of(figure, image, &stretch);
-    if (surface == NULL) {
+    if (surface == NULL)
         return;
-    }
     draw_surface(figure, surface, image->nx, image->ny);
     cairo_surface_destroy(surface);
-    if (image->colour_bar) {
+    if (image->colour_bar)
         draw_bar(figure, image, &stretch);
-    }
 }

@@ -44,9 +44,8 @@ typedef struct run {
 /* A cut through a character would be invalid text, which cairo refuses. */
 size_t label_cut(const char *text, size_t most) {
     size_t length = strnlen(text, most);
-    while (length > 0 && ((unsigned char)text[length] & 0xc0) == 0x80) {
+    while (length > 0 && ((unsigned char)text[length] & 0xc0) == 0x80)
         length--;
-    }
     return length;
 }
 
@@ -70,9 +69,8 @@ static bool next_run(const char **text, double size, run *out) {
     size_t length = 0;
     const bool script = (p[0] == '_' || p[0] == '^') && p[1] == '{';
     *out = (run){.size = size};
-    if (*p == '\0') {
+    if (*p == '\0')
         return false;
-    }
     if (script) {
         out->size = SCRIPT_SIZE * size;
         out->rise = p[0] == '^' ? SCRIPT_RISE * size : -SCRIPT_DROP * size;
@@ -126,17 +124,15 @@ double shear_figure_text_width(shear_figure *figure, const char *text, double si
 
 void shear_figure_text(shear_figure *figure, double x, double y, const char *text,
                        const shear_text_style *style) {
-    if (!figure_good(figure) || text == NULL || !isfinite(x) || !isfinite(y)) {
+    if (!figure_good(figure) || text == NULL || !isfinite(x) || !isfinite(y))
         return;
-    }
     const double size = style->size > 0.0 ? style->size : LABEL_SIZE;
     const double width = set_text(figure, 0.0, 0.0, text, size, style->bold, false);
     cairo_save(figure->cr);
     figure_set_colour(figure, style->colour);
     cairo_translate(figure->cr, x, y);
-    if (style->upward) {
+    if (style->upward)
         cairo_rotate(figure->cr, -1.5707963267948966);
-    }
     set_text(figure, -style->align * width, label_half_height(size), text, size, style->bold, true);
     cairo_restore(figure->cr);
 }

@@ -5,9 +5,8 @@
 /* Sum of the weights of cells [first, last), all 1 without weights. */
 static double weight_of(const double *weights, int first, int last) {
     double sum = 0.0;
-    for (int i = first; i < last; i++) {
+    for (int i = first; i < last; i++)
         sum += weights != NULL ? weights[i] : 1.0;
-    }
     return sum;
 }
 

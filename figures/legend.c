@@ -11,9 +11,8 @@ static const double PAD = 8.0;
 
 void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style) {
     open_axes *axes = &f->axes;
-    if (style->label == NULL || axes->n_legend == MAX_LEGEND) {
+    if (style->label == NULL || axes->n_legend == MAX_LEGEND)
         return;
-    }
     legend_entry *entry = &axes->legend[axes->n_legend++];
     *entry = (legend_entry){.swatch = swatch, .style = *style};
     memcpy(entry->label, style->label, label_cut(style->label, sizeof entry->label - 1));
@@ -33,9 +32,8 @@ static void draw_swatch(shear_figure *f, const legend_entry *entry, double x, do
     if (entry->swatch == SWATCH_AREA) {
         cairo_rectangle(f->cr, x + 1.0, y - 5.0, SWATCH - 2.0, 10.0);
         pen_fill(f, &entry->style, BAND_OPACITY);
-        if (entry->style.width < 0.0) {
+        if (entry->style.width < 0.0)
             return;
-        }
         cairo_rectangle(f->cr, x + 1.0, y - 5.0, SWATCH - 2.0, 10.0);
     } else {
         cairo_move_to(f->cr, x, y);
@@ -48,12 +46,10 @@ void legend_draw(shear_figure *f) {
     const open_axes *axes = &f->axes;
     const shear_rect r = axes->frame;
     double widest = 0.0;
-    if (axes->n_legend == 0) {
+    if (axes->n_legend == 0)
         return;
-    }
-    for (int i = 0; i < axes->n_legend; i++) {
+    for (int i = 0; i < axes->n_legend; i++)
         widest = fmax(widest, shear_figure_text_width(f, axes->legend[i].label, TICK_SIZE + 0.5));
-    }
     const double w = SWATCH + 6.0 + widest + 2.0 * PAD;
     const double h = ROW * axes->n_legend + PAD;
     const enum shear_corner corner = axes->spec.legend;

@@ -6,9 +6,8 @@
 
 void shear_axes_line(shear_figure *f, size_t n, const double *x, const double *y,
                      const shear_style *style) {
-    if (!axes_ready(f)) {
+    if (!axes_ready(f))
         return;
-    }
     pen_clip(f);
     bool pen_down = false;
     for (size_t i = 0; i < n; i++) {
@@ -48,9 +47,8 @@ static void error_bars(shear_figure *f, double x, double y, double x_err, double
     const shear_rect r = axes->frame;
     const double px = axes_x(axes, x);
     const double py = axes_y(axes, y);
-    if (x_err > 0.0) {
+    if (x_err > 0.0)
         error_bar(f, lower_end(axes, axes_x, x - x_err, r.x), py, axes_x(axes, x + x_err), py);
-    }
     if (y_err > 0.0) {
         error_bar(f, px, lower_end(axes, axes_y, y - y_err, r.y + r.h), px,
                   axes_y(axes, y + y_err));
@@ -59,22 +57,19 @@ static void error_bars(shear_figure *f, double x, double y, double x_err, double
 
 void shear_axes_points(shear_figure *f, size_t n, const double *x, const double *y,
                        const double *x_err, const double *y_err, const shear_style *style) {
-    if (!axes_ready(f)) {
+    if (!axes_ready(f))
         return;
-    }
     pen_clip(f);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         error_bars(f, x[i], y[i], x_err != NULL ? x_err[i] : 0.0, y_err != NULL ? y_err[i] : 0.0);
-    }
     shear_style bars = *style;
     bars.dash = SHEAR_SOLID;
     pen_stroke(f, &bars);
     for (size_t i = 0; i < n; i++) {
         const double px = axes_x(&f->axes, x[i]);
         const double py = axes_y(&f->axes, y[i]);
-        if (!isnan(px) && !isnan(py)) {
+        if (!isnan(px) && !isnan(py))
             pen_marker(f, px, py, style);
-        }
     }
     cairo_restore(f->cr);
     legend_add(f, SWATCH_POINT, style);
@@ -83,20 +78,17 @@ void shear_axes_points(shear_figure *f, size_t n, const double *x, const double 
 /* The outline of values [from, to), all of which have a place. */
 static void band_piece(shear_figure *f, size_t from, size_t to, const double *x, const double *lo,
                        const double *hi, const shear_style *style) {
-    for (size_t i = from; i < to; i++) {
+    for (size_t i = from; i < to; i++)
         cairo_line_to(f->cr, axes_x(&f->axes, x[i]), axes_y(&f->axes, hi[i]));
-    }
-    for (size_t i = to; i-- > from;) {
+    for (size_t i = to; i-- > from;)
         cairo_line_to(f->cr, axes_x(&f->axes, x[i]), axes_y(&f->axes, lo[i]));
-    }
     pen_fill(f, style, BAND_OPACITY);
 }
 
 void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *lo, const double *hi,
                      const shear_style *style) {
-    if (!axes_ready(f)) {
+    if (!axes_ready(f))
         return;
-    }
     pen_clip(f);
     size_t from = 0;
     for (size_t i = 0; i <= n; i++) {
@@ -128,9 +120,8 @@ static void steps_path(shear_figure *f, int bins, shear_range r, const double *c
 
 void shear_axes_histogram(shear_figure *f, int bins, shear_range r, const double *counts,
                           const shear_style *style) {
-    if (!axes_ready(f)) {
+    if (!axes_ready(f))
         return;
-    }
     const bool placed = !isnan(axes_x(&f->axes, r.lo)) && !isnan(axes_x(&f->axes, r.hi));
     if (bins < 1 || !placed) {
         figure_failed(f, SHEAR_E_INTERNAL, "a histogram without bins, or off the axis");

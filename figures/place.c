@@ -9,9 +9,8 @@ static const double FAR = 4e6; /* pixels; cairo's fixed-point coordinates end at
 /* 0 at lo, 1 at hi; NaN where there is no place. */
 static double part_of(const shear_axis *axis, double v) {
     const shear_range r = axis->range;
-    if (axis->log) {
+    if (axis->log)
         return v > 0.0 && isfinite(v) ? log(v / r.lo) / log(r.hi / r.lo) : NAN;
-    }
     return isfinite(v) ? (v - r.lo) / (r.hi - r.lo) : NAN;
 }
 
@@ -28,11 +27,9 @@ double axes_y(const open_axes *axes, double y) {
 }
 
 bool axes_ready(shear_figure *f) {
-    if (!figure_good(f)) {
+    if (!figure_good(f))
         return false;
-    }
-    if (!f->axes.open) {
+    if (!f->axes.open)
         figure_failed(f, SHEAR_E_INTERNAL, "drawing without axes: a _begin is missing");
-    }
     return f->axes.open;
 }

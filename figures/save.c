@@ -32,9 +32,8 @@ static int check_target(const char *path, bool replace, shear_error *err) {
     if (stat(path, &st) != 0) {
         return SHEAR_OK; /* new, or a place that open will complain about */
     }
-    if (!S_ISREG(st.st_mode)) {
+    if (!S_ISREG(st.st_mode))
         return shear_fail(err, SHEAR_E_IO, "name a file", "%s is not a regular file", path);
-    }
     return replace ? SHEAR_OK : fail_exists(err, path);
 }
 
@@ -45,12 +44,10 @@ static cairo_status_t write_bytes(void *closure, const unsigned char *data, unsi
 
 /* Move the finished file to its name. */
 static int put_in_place(const char *part, const char *path, bool replace, shear_error *err) {
-    if (replace) {
+    if (replace)
         return rename(part, path) == 0 ? SHEAR_OK : fail_io(err, "write", path, errno);
-    }
-    if (renameat2(AT_FDCWD, part, AT_FDCWD, path, RENAME_NOREPLACE) == 0) {
+    if (renameat2(AT_FDCWD, part, AT_FDCWD, path, RENAME_NOREPLACE) == 0)
         return SHEAR_OK;
-    }
     if (errno == EINVAL || errno == ENOSYS) { /* a file system that cannot: link refuses as well */
         if (link(part, path) == 0) {
             unlink(part);
@@ -65,15 +62,12 @@ static int write_png(shear_figure *f, int fd, const char *path, shear_error *err
     errno = 0;
     const cairo_status_t status = cairo_surface_write_to_png_stream(f->surface, write_bytes, &fd);
     int number = status == CAIRO_STATUS_SUCCESS ? 0 : errno ? errno : EIO;
-    if (number == 0 && fsync(fd) != 0) {
+    if (number == 0 && fsync(fd) != 0)
         number = errno;
-    }
-    if (close(fd) != 0 && number == 0) {
+    if (close(fd) != 0 && number == 0)
         number = errno;
-    }
-    if (status == CAIRO_STATUS_NO_MEMORY) {
+    if (status == CAIRO_STATUS_NO_MEMORY)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory to write %s", path);
-    }
     return number == 0 ? SHEAR_OK : fail_io(err, "write", path, number);
 }
 
@@ -83,9 +77,8 @@ int shear_figure_save(shear_figure *figure, const char *path, bool replace, shea
                           figure->error.message);
     }
     int code = check_target(path, replace, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     CLEANUP(release_free) char *part = NULL;
     if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0) {
         part = NULL;
@@ -93,13 +86,11 @@ int shear_figure_save(shear_figure *figure, const char *path, bool replace, shea
     }
     cairo_surface_flush(figure->surface);
     const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0) {
+    if (fd < 0)
         return fail_io(err, "create", path, errno);
-    }
     code = write_png(figure, fd, path, err);
     code = code != SHEAR_OK ? code : put_in_place(part, path, replace, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         unlink(part);
-    }
     return code;
 }

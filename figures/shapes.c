@@ -58,9 +58,8 @@ void shear_axes_vband(shear_figure *f, double lo, double hi, const shear_style *
 
 void shear_axes_bar(shear_figure *f, bool horizontal, double at, double thick, double from,
                     double to, const shear_style *style) {
-    if (!axes_ready(f)) {
+    if (!axes_ready(f))
         return;
-    }
     const open_axes *axes = &f->axes;
     const shear_rect r = axes->frame;
     if (horizontal) {
@@ -100,13 +99,11 @@ static void closed_curve(shear_figure *f, double x, double y, const double m[4],
 
 void shear_axes_ellipse(shear_figure *f, double x, double y, const double cov[3], double n_sigma,
                         const shear_style *style) {
-    if (!axes_ready(f)) {
+    if (!axes_ready(f))
         return;
-    }
     const double determinant = cov[0] * cov[2] - cov[1] * cov[1];
-    if (!(cov[0] > 0.0) || !(determinant > 0.0) || !isfinite(x) || !isfinite(y)) {
+    if (!(cov[0] > 0.0) || !(determinant > 0.0) || !isfinite(x) || !isfinite(y))
         return;
-    }
     /* The Cholesky factor turns the unit circle into the ellipse. */
     const double l11 = sqrt(cov[0]);
     const double l21 = cov[1] / l11;
@@ -120,9 +117,8 @@ void shear_axes_ellipse(shear_figure *f, double x, double y, const double cov[3]
 
 void shear_axes_circle(shear_figure *f, double x, double y, double radius,
                        const shear_style *style) {
-    if (!axes_ready(f)) {
+    if (!axes_ready(f))
         return;
-    }
     const double m[4] = {radius, 0.0, 0.0, radius};
     pen_clip(f);
     closed_curve(f, x, y, m, style);
@@ -132,13 +128,11 @@ void shear_axes_circle(shear_figure *f, double x, double y, double radius,
 
 void shear_axes_text(shear_figure *f, double x, double y, bool inside, const char *text,
                      const shear_text_style *style) {
-    if (!axes_ready(f)) {
+    if (!axes_ready(f))
         return;
-    }
     const shear_rect r = f->axes.frame;
     const double px = inside ? r.x + r.w * x : axes_x(&f->axes, x);
     const double py = inside ? r.y + r.h * (1.0 - y) : axes_y(&f->axes, y);
-    if (!isnan(px) && !isnan(py)) {
+    if (!isnan(px) && !isnan(py))
         shear_figure_text(f, px, py, text, style);
-    }
 }

@@ -29,12 +29,10 @@ shear_range shear_range_join(shear_range a, shear_range b) {
 }
 
 shear_range shear_range_pad(shear_range r, double part) {
-    if (!isfinite(r.lo) || !isfinite(r.hi)) {
+    if (!isfinite(r.lo) || !isfinite(r.hi))
         return (shear_range){0.0, 1.0};
-    }
-    if (r.lo > r.hi) {
+    if (r.lo > r.hi)
         r = (shear_range){r.hi, r.lo};
-    }
     const double magnitude = fmax(fabs(r.lo), fabs(r.hi));
     const double width = r.hi / 2 - r.lo / 2; /* halved: the full width may overflow */
     if (width <= SMALLEST_RELATIVE_WIDTH * magnitude) {
@@ -48,9 +46,8 @@ shear_range shear_range_pad(shear_range r, double part) {
 static double percentile_of_sorted(const double *sorted, size_t n, double percent) {
     const double place = fmin(fmax(percent, 0.0), 100.0) / 100.0 * (double)(n - 1);
     const size_t below = (size_t)place;
-    if (below + 1 >= n) {
+    if (below + 1 >= n)
         return sorted[n - 1];
-    }
     const double part = place - (double)below;
     return sorted[below] * (1.0 - part) + sorted[below + 1] * part;
 }
@@ -60,14 +57,12 @@ int shear_range_percentile(shear_range *out, const double *v, size_t n, double l
     *out = (shear_range){NAN, NAN};
     double *sorted =
         n <= SIZE_MAX / sizeof *sorted ? malloc((n != 0 ? n : 1) * sizeof *sorted) : NULL;
-    if (sorted == NULL) {
+    if (sorted == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory to sort %zu values", n);
-    }
     size_t finite = 0;
     for (size_t i = 0; i < n; i++) {
-        if (isfinite(v[i])) {
+        if (isfinite(v[i]))
             sorted[finite++] = v[i];
-        }
     }
     if (finite > 0) {
         sort_doubles(sorted, finite);
@@ -79,14 +74,12 @@ int shear_range_percentile(shear_range *out, const double *v, size_t n, double l
 }
 
 size_t shear_histogram(double *counts, int bins, shear_range r, const double *v, size_t n) {
-    for (int b = 0; b < bins; b++) {
+    for (int b = 0; b < bins; b++)
         counts[b] = 0.0;
-    }
     size_t outside = 0;
     for (size_t i = 0; i < n; i++) {
-        if (!isfinite(v[i])) {
+        if (!isfinite(v[i]))
             continue;
-        }
         if (!(v[i] >= r.lo && v[i] <= r.hi) || bins < 1) {
             outside++;
             continue;
@@ -102,17 +95,15 @@ shear_stretch shear_stretch_make(enum shear_stretch_kind kind, shear_range span,
     shear_stretch s = {.kind = kind, .span = span, .knee = knee};
     if (kind == SHEAR_LOG && isfinite(span.hi)) {
         s.span.hi = span.hi > 0.0 ? span.hi : 1.0;
-        if (!(span.lo > 0.0 && span.lo < s.span.hi)) {
+        if (!(span.lo > 0.0 && span.lo < s.span.hi))
             s.span.lo = s.span.hi * LOG_DEPTH;
-        }
     } else if (kind == SHEAR_LOG) {
         s.span = (shear_range){LOG_DEPTH, 1.0};
     } else {
         s.span = shear_range_pad(span, 0.0);
     }
-    if (!(knee > 0.0 && isfinite(knee))) {
+    if (!(knee > 0.0 && isfinite(knee)))
         s.knee = KNEE_PART * fmax(fabs(s.span.lo), fabs(s.span.hi));
-    }
     return s;
 }
 
@@ -129,9 +120,8 @@ static double stretched(const shear_stretch *s, double value) {
 }
 
 double shear_stretch_apply(const shear_stretch *s, double value) {
-    if (isnan(value)) {
+    if (isnan(value))
         return NAN;
-    }
     const double lo = stretched(s, s->span.lo);
     const double hi = stretched(s, s->span.hi);
     const double t = (stretched(s, value) - lo) / (hi - lo);

@@ -42,9 +42,8 @@ static step choose_step(double lo, double hi, int at_most) {
     step s = {0};
     for (int i = 0; i < 12; i++) {
         s = (step){.digit = digits[i % 3], .exponent = start + i / 3};
-        if (count_multiples(&s, lo, hi) <= at_most) {
+        if (count_multiples(&s, lo, hi) <= at_most)
             break;
-        }
     }
     return s;
 }
@@ -69,15 +68,13 @@ static void write_power(char label[SHEAR_TICK_LABEL], int digit, int exponent) {
 
 void shear_ticks_linear(shear_ticks *t, double lo, double hi, int at_most) {
     *t = (shear_ticks){0};
-    if (!isfinite(lo) || !isfinite(hi) || !(hi - lo > 0.0) || !isfinite(hi - lo)) {
+    if (!isfinite(lo) || !isfinite(hi) || !(hi - lo > 0.0) || !isfinite(hi - lo))
         return;
-    }
     at_most = at_most < 2 ? 2 : at_most > SHEAR_MAX_TICKS ? SHEAR_MAX_TICKS : at_most;
     const step s = choose_step(lo, hi, at_most);
     const double largest = fmax(fabs(lo), fabs(hi));
-    if (largest >= 1e5 || largest < 1e-2) {
+    if (largest >= 1e5 || largest < 1e-2)
         t->exponent = (int)floor(log10(largest) + SLACK);
-    }
     const int decimals = s.exponent < t->exponent ? t->exponent - s.exponent : 0;
     const int n = (int)fmin(s.last - s.first + 1.0, at_most);
     for (t->n = 0; t->n < n; t->n++) {
@@ -101,9 +98,8 @@ static int log_candidates(shear_ticks *t, double lo, double hi, int at_most, int
     for (int e = first; e <= last; e++) {
         for (int d = 0; d < n_digits && e % stride == 0; d++) {
             const double at = digits[d] * power_of_ten(e);
-            if (at < lo * (1.0 - SLACK) || at > hi * (1.0 + SLACK)) {
+            if (at < lo * (1.0 - SLACK) || at > hi * (1.0 + SLACK))
                 continue;
-            }
             if (n < at_most) {
                 t->at[n] = at;
                 if (n_digits > 1 && e >= -3 && e <= 4) {
@@ -121,22 +117,18 @@ static int log_candidates(shear_ticks *t, double lo, double hi, int at_most, int
 
 void shear_ticks_log(shear_ticks *t, double lo, double hi, int at_most) {
     *t = (shear_ticks){0};
-    if (!(lo >= DBL_MIN) || !(hi > lo) || !isfinite(hi)) {
+    if (!(lo >= DBL_MIN) || !(hi > lo) || !isfinite(hi))
         return;
-    }
     at_most = at_most < 2 ? 2 : at_most > SHEAR_MAX_TICKS ? SHEAR_MAX_TICKS : at_most;
     int n = log_candidates(t, lo, hi, at_most, 1, 1);
     const bool decades = n >= 2;
-    for (int stride = 2; n > at_most; stride++) {
+    for (int stride = 2; n > at_most; stride++)
         n = log_candidates(t, lo, hi, at_most, stride, 1);
-    }
-    if (decades) {
+    if (decades)
         return;
-    }
     n = log_candidates(t, lo, hi, at_most, 1, 3);
-    if (n < 2 || n > at_most) {
+    if (n < 2 || n > at_most)
         shear_ticks_linear(t, lo, hi, at_most);
-    }
 }
 
 /* Add a tick unless another one is too near; keeps the order. */
@@ -144,14 +136,12 @@ static void insert_apart(shear_ticks *t, const shear_stretch *s, double at, doub
     const double place = shear_stretch_apply(s, at);
     int before = 0;
     for (int i = 0; i < t->n; i++) {
-        if (fabs(shear_stretch_apply(s, t->at[i]) - place) < apart) {
+        if (fabs(shear_stretch_apply(s, t->at[i]) - place) < apart)
             return;
-        }
         before += t->at[i] < at;
     }
-    if (t->n == SHEAR_MAX_TICKS || at < s->span.lo || at > s->span.hi) {
+    if (t->n == SHEAR_MAX_TICKS || at < s->span.lo || at > s->span.hi)
         return;
-    }
     memmove(&t->at[before + 1], &t->at[before], (size_t)(t->n - before) * sizeof t->at[0]);
     t->at[before] = at;
     t->n++;
@@ -198,7 +188,6 @@ void shear_ticks_stretch(shear_ticks *t, const shear_stretch *s, int at_most) {
     }
     *t = (shear_ticks){0};
     asinh_places(t, s, 1.0 / at_most);
-    for (int i = 0; i < t->n; i++) {
+    for (int i = 0; i < t->n; i++)
         write_asinh_label(t->label[i], t->at[i]);
-    }
 }

@@ -26,9 +26,8 @@ static void draw_disk_point(const shear_mock_spec *s, const gsl_rng *rng, double
         *y = 2.0 * gsl_rng_uniform(rng) - 1.0;
         double height = peak * gsl_rng_uniform(rng);
         double r2 = *x * *x + *y * *y;
-        if (r2 <= 1.0 && height < surface_brightness(s, sqrt(r2))) {
+        if (r2 <= 1.0 && height < surface_brightness(s, sqrt(r2)))
             return;
-        }
     }
 }
 
@@ -73,9 +72,8 @@ static int irregular_points(const shear_mock_spec *s, const gsl_rng *rng, double
 int galaxy_points(const shear_mock_spec *s, int64_t index, double *x, double *y) {
     random_sequence r;
     random_begin(&r, s->seed, RANDOM_GALAXY, (uint64_t)index, 0);
-    if (s->galaxy == SHEAR_MOCK_IRREGULAR) {
+    if (s->galaxy == SHEAR_MOCK_IRREGULAR)
         return irregular_points(s, &r.rng, x, y);
-    }
     return regular_points(s, &r.rng, x, y);
 }
 

@@ -42,13 +42,11 @@ static void fill_info(shear_mock *m) {
 int shear_mock_new(shear_mock **m, const shear_mock_spec *spec, shear_error *err) {
     *m = NULL;
     int code = shear_mock_spec_check(spec, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_mock *made = calloc(1, sizeof *made);
-    if (made == NULL) {
+    if (made == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a mock");
-    }
     made->spec = *spec;
     fill_info(made);
     *m = made;
@@ -175,9 +173,8 @@ static bool workspace_init(workspace *ws, const shear_mock *m) {
 static bool workspaces_init(workspaces *w, const shear_mock *m) {
     w->of = calloc((size_t)w->n, sizeof *w->of);
     bool made = w->of != NULL;
-    for (int i = 0; made && i < w->n; i++) {
+    for (int i = 0; made && i < w->n; i++)
         made = workspace_init(&w->of[i], m);
-    }
     return made;
 }
 
@@ -190,9 +187,8 @@ static void paint_galaxy(const shear_mock *m, workspace *ws, int64_t stamp) {
     cx += 0.5 * (s->nx - 1);
     cy += 0.5 * (s->ny - 1);
     int n = shear_mock_image_points(m, stamp, ws->x, ws->y);
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n; k++)
         painter_point(&ws->painter, amplitude, cx + ws->x[k], cy + ws->y[k]);
-    }
 }
 
 /* Streams of a galaxy's noise stamps after the first one are this far from those of the one before.
@@ -232,9 +228,8 @@ static void make_pair(const shear_mock *m, workspace *ws, int64_t stamp, double 
     memset(noise, 0, (size_t)m->spec.noise_stamps * pixels * sizeof *noise);
     paint_galaxy(m, ws, stamp);
     add_noise(m, ws, stamp, 0, galaxy);
-    for (int k = 0; k < m->spec.noise_stamps; k++) {
+    for (int k = 0; k < m->spec.noise_stamps; k++)
         add_noise(m, ws, stamp, 1 + k, noise + (size_t)k * pixels);
-    }
 }
 
 int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads, double *galaxy,
@@ -247,9 +242,8 @@ int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads
     const int wanted = threads > 0 ? threads : omp_get_max_threads();
     CLEANUP(workspaces_deinit) workspaces w = {.n = wanted < count ? wanted : count};
     const size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
-    if (count == 0) {
+    if (count == 0)
         return SHEAR_OK;
-    }
     if (!workspaces_init(&w, m)) {
         return shear_fail(err, SHEAR_E_NOMEM, "use fewer threads",
                           "out of memory for mock stamps on %d threads", w.n);
@@ -267,13 +261,11 @@ int shear_mock_paint(const shear_mock *m, int64_t psf, int n, const double *x, c
                      double amplitude, double *image, shear_error *err) {
     const shear_mock_spec *s = &m->spec;
     CLEANUP(painter_deinit) painter p = {0};
-    if (!painter_init(&p, s->psf, s->r_psf_px, s->nx, s->ny)) {
+    if (!painter_init(&p, s->psf, s->r_psf_px, s->nx, s->ny))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for painting points");
-    }
     painter_rotate(&p, shear_mock_psf_angle(m, psf));
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n; k++)
         painter_point(&p, amplitude, x[k], y[k]);
-    }
     painter_finish(&p, image);
     return SHEAR_OK;
 }

@@ -32,7 +32,6 @@ void noise_photons(random_sequence *r, double background, double subtract, const
 }
 
 void noise_white(random_sequence *r, double sigma, const noise_place *place, double *image) {
-    for (int i = 0; i < place->nx * place->ny; i++) {
+    for (int i = 0; i < place->nx * place->ny; i++)
         image[noise_pixel(place, i)] += gsl_ran_gaussian_ziggurat(&r->rng, sigma);
-    }
 }

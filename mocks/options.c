@@ -84,9 +84,8 @@ const shear_mock_option *shear_mock_options(size_t *n) {
 
 const shear_mock_option *shear_mock_option_find(const char *name) {
     for (size_t i = 0; i < N_OPTIONS; i++) {
-        if (strcmp(table[i].name, name) == 0) {
+        if (strcmp(table[i].name, name) == 0)
             return &table[i];
-        }
     }
     return NULL;
 }
@@ -128,9 +127,8 @@ static int numbers(const shear_mock_spec *s, const shear_mock_option *o, double 
 static int check_choice(const shear_mock_spec *s, const shear_mock_option *o, shear_error *err) {
     int value = *(const int *)member_const(s, o);
     int n = 0;
-    while (o->choices[n] != NULL) {
+    while (o->choices[n] != NULL)
         n++;
-    }
     if (value < 0 || value >= n) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "mock option '%s': %d is not one of %s",
                           o->name, value, o->metavar);
@@ -139,9 +137,8 @@ static int check_choice(const shear_mock_spec *s, const shear_mock_option *o, sh
 }
 
 static int check_range(const shear_mock_spec *s, const shear_mock_option *o, shear_error *err) {
-    if (o->type == SHEAR_MOCK_T_CHOICE) {
+    if (o->type == SHEAR_MOCK_T_CHOICE)
         return check_choice(s, o, err);
-    }
     double v[2];
     int n = numbers(s, o, v);
     for (int i = 0; i < n; i++) {
@@ -157,9 +154,8 @@ static int check_range(const shear_mock_spec *s, const shear_mock_option *o, she
 int options_check_ranges(const shear_mock_spec *s, shear_error *err) {
     for (size_t i = 0; i < N_OPTIONS; i++) {
         int code = check_range(s, &table[i], err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -189,9 +185,8 @@ static bool parse(shear_mock_spec *s, const shear_mock_option *o, const char *te
     case SHEAR_MOCK_T_TEXT:
         return value_copy(text, m, sizeof s->field);
     default:
-        if (!value_bool(text, &yes)) {
+        if (!value_bool(text, &yes))
             return false;
-        }
         *(bool *)m = (o->type == SHEAR_MOCK_T_ON) == yes;
         return true;
     }
@@ -226,9 +221,8 @@ int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear
                           o->name, value, expected(o), o->has_auto ? ", or auto" : "");
     }
     const int code = check_range(&changed, o, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *s = changed;
     return SHEAR_OK;
 }

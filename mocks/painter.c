@@ -105,22 +105,19 @@ static void find_spike_segments(painter *p) {
     for (int j = -h; j <= h; j++) {
         int pieces = 0;
         for (int i = -h; i <= h; i++) {
-            if (psf_spikes_reach_to(&p->psf, i, j, cell_radius)) {
+            if (psf_spikes_reach_to(&p->psf, i, j, cell_radius))
                 add_spike_pixel(p, &pieces, j, i);
-            }
         }
     }
 }
 
 void painter_rotate(painter *p, double angle_deg) {
-    if (p->angle_deg == angle_deg) {
+    if (p->angle_deg == angle_deg)
         return;
-    }
     p->angle_deg = angle_deg;
     p->psf = psf_make(p->kind, p->r_px, angle_deg);
-    for (int strip = 0; strip < p->n_strips; strip++) {
+    for (int strip = 0; strip < p->n_strips; strip++)
         fill_strip(p, strip);
-    }
     find_spike_segments(p);
 }
 
@@ -133,9 +130,8 @@ SHEAR_SIMD static void fill_powers(double *out, int n, double scale, double firs
     double y = scale * exp(first);
     double power[PAINTER_STRIP];
 #pragma omp simd
-    for (int i = 0; i < PAINTER_STRIP; i++) {
+    for (int i = 0; i < PAINTER_STRIP; i++)
         power[i] = (y * (i & 4 ? x4 : 1.0)) * ((i & 2 ? x2 : 1.0) * (i & 1 ? x : 1.0));
-    }
     for (int k = 0; k < n; k++) {
 #pragma omp simd
         for (int i = 0; i < PAINTER_STRIP; i++) {
@@ -162,9 +158,8 @@ SHEAR_SIMD static void add_strip(double *restrict canvas, size_t stride,
         double *to = canvas + (size_t)j * stride;
         const double *from = table + (size_t)j * PAINTER_STRIP;
 #pragma omp simd
-        for (int i = 0; i < PAINTER_STRIP; i++) {
+        for (int i = 0; i < PAINTER_STRIP; i++)
             to[i] += rows[j] * (columns[i] * from[i]);
-        }
     }
 }
 
@@ -198,16 +193,14 @@ static void add_spikes(painter *p, double amplitude, int px, int py, double dx, 
         int y = py + s->j;
         int lo = max_int(s->lo, -px);
         int n = min_int(s->hi, p->nx - 1 - px) - lo + 1;
-        if (y < 0 || y >= p->ny || n <= 0) {
+        if (y < 0 || y >= p->ny || n <= 0)
             continue;
-        }
         /* Whole strips: the exponentials of an odd rest would be scalar. */
         int whole = (n + PAINTER_STRIP - 1) / PAINTER_STRIP * PAINTER_STRIP;
         psf_spikes_row(&p->psf, amplitude, lo - dx, s->j - dy, 1.0, whole, p->buffer);
         double *row = p->canvas + (size_t)y * (size_t)p->stride + (px + lo + PAINTER_STRIP);
-        for (int i = 0; i < n; i++) {
+        for (int i = 0; i < n; i++)
             row[i] += p->buffer[i];
-        }
     }
 }
 
@@ -220,18 +213,16 @@ void painter_point(painter *p, double amplitude, double x, double y) {
         return; /* also where x or y is not a number */
     }
     add_gaussian(p, amplitude, (int)px, (int)py, x - px, y - py);
-    if (p->psf.spikes) {
+    if (p->psf.spikes)
         add_spikes(p, amplitude, (int)px, (int)py, x - px, y - py);
-    }
 }
 
 void painter_finish(painter *p, double *image) {
     for (int y = 0; y < p->ny; y++) {
         const double *from = p->canvas + (size_t)y * (size_t)p->stride + PAINTER_STRIP;
         double *to = image + (size_t)y * (size_t)p->nx;
-        for (int x = 0; x < p->nx; x++) {
+        for (int x = 0; x < p->nx; x++)
             to[x] += from[x];
-        }
     }
     memset(p->canvas, 0, (size_t)p->stride * (size_t)p->ny * sizeof *p->canvas);
 }

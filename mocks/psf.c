@@ -128,9 +128,8 @@ SHEAR_SIMD void psf_spikes_row(const psf_shape *p, double amplitude, double dx, 
         out[i] = z < 700.0 ? z : 700.0; /* where exp underflows, the vector one becomes slow */
     }
 #pragma omp simd simdlen(8)
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         out[i] = scale * exp(-out[i]);
-    }
 }
 
 void psf_image(enum shear_mock_psf kind, double r_px, double angle_deg, int oversample, int nx,
@@ -142,8 +141,7 @@ void psf_image(enum shear_mock_psf kind, double r_px, double angle_deg, int over
         double dy = (j - 0.5 * (ny - 1)) * step;
         double *row = out + (size_t)j * (size_t)nx;
         psf_gaussian_row(&p, 1.0, x0, dy, step, nx, row);
-        for (int i = 0; p.spikes && i < nx; i++) {
+        for (int i = 0; p.spikes && i < nx; i++)
             row[i] += psf_spikes_at(&p, x0 + step * i, dy);
-        }
     }
 }

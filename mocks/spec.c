@@ -57,9 +57,8 @@ double spec_noise_amplitude(const shear_mock_spec *s) {
 }
 
 double spec_point_amplitude(const shear_mock_spec *s) {
-    if (s->photons <= 0.0) {
+    if (s->photons <= 0.0)
         return 1.0;
-    }
     double area = M_PI * s->r_gal_px * s->r_gal_px;
     double flux = galaxy_max_points(s) * psf_flux(s->psf, s->r_psf_px);
     return s->photon_snr * s->photons * area / flux;
@@ -172,9 +171,8 @@ int shear_mock_spec_check(const shear_mock_spec *s, shear_error *err) {
         options_check_ranges, check_geometry, check_galaxy, check_psf, check_noise, check_file};
     for (size_t i = 0; i < sizeof checks / sizeof *checks; i++) {
         int code = checks[i](s, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }

@@ -25,9 +25,8 @@ bool value_int64(const char *text, int64_t *value) {
 
 bool value_int(const char *text, int *value) {
     int64_t v = 0;
-    if (!value_int64(text, &v) || v < INT_MIN || v > INT_MAX) {
+    if (!value_int64(text, &v) || v < INT_MIN || v > INT_MAX)
         return false;
-    }
     *value = (int)v;
     return true;
 }
@@ -37,18 +36,16 @@ bool value_uint64(const char *text, uint64_t *value) {
     errno = 0;
     uintmax_t v = strtoumax(text, &end, 10);
     /* strtoumax takes "-1" for 2^64 - 1 */
-    if (!isdigit((unsigned char)*text) || *end || errno) {
+    if (!isdigit((unsigned char)*text) || *end || errno)
         return false;
-    }
     *value = v;
     return true;
 }
 
 bool value_double(const char *text, double *value) {
     double v = 0.0;
-    if (!begins(text) || !text_to_double(text, &v) || !isfinite(v)) {
+    if (!begins(text) || !text_to_double(text, &v) || !isfinite(v))
         return false;
-    }
     *value = v;
     return true;
 }
@@ -56,9 +53,8 @@ bool value_double(const char *text, double *value) {
 /* Cut `text` at the first `mark` into two; false where there is none, or the first is too long. */
 static bool split(const char *text, char mark, char first[32], const char **second) {
     const char *at = strchr(text, mark);
-    if (at == NULL || at - text >= 32) {
+    if (at == NULL || at - text >= 32)
         return false;
-    }
     snprintf(first, 32, "%.*s", (int)(at - text), text);
     *second = at + 1;
     return true;
@@ -100,13 +96,11 @@ bool value_choice(const char *text, const char *const *choices, int *value) {
 
 bool value_copy(const char *text, char *value, size_t size) {
     size_t n = strnlen(text, FITS_STRING + 1);
-    if (n > FITS_STRING || n >= size) {
+    if (n > FITS_STRING || n >= size)
         return false;
-    }
     for (size_t i = 0; i < n; i++) {
-        if (text[i] < ' ' || text[i] > '~') {
+        if (text[i] < ' ' || text[i] > '~')
             return false;
-        }
     }
     memset(value, 0, size);
     memcpy(value, text, n);

@@ -83,9 +83,8 @@ static int history_init(history *h, const shear_mock_spec *spec, shear_error *er
     const shear_mock_option *options = shear_mock_options(&n);
     h->text = calloc(n + 1, sizeof *h->text);
     h->lines = calloc(n + 2, sizeof *h->lines);
-    if (h->text == NULL || h->lines == NULL) {
+    if (h->text == NULL || h->lines == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a mock's history");
-    }
     snprintf(h->text[0], HISTORY_LINE, "shear_mocks %s, after Zhang (2010) section 4.1",
              SHEAR_VERSION_STRING);
     for (size_t i = 0; i < n; i++) {
@@ -93,21 +92,18 @@ static int history_init(history *h, const shear_mock_spec *spec, shear_error *er
         shear_mock_format(spec, &options[i], value, sizeof value);
         snprintf(h->text[i + 1], HISTORY_LINE, "mock %s = %s", options[i].name, value);
     }
-    for (size_t i = 0; i <= n; i++) {
+    for (size_t i = 0; i <= n; i++)
         h->lines[i] = h->text[i];
-    }
     return SHEAR_OK;
 }
 
 /* ---- the file ---- */
 static unsigned columns_of(const shear_mock *m) {
     unsigned columns = SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y;
-    if (shear_mock_get_spec(m)->write_r_gal) {
+    if (shear_mock_get_spec(m)->write_r_gal)
         columns |= SHEAR_COL_R_GAL;
-    }
-    if (shear_mock_get_info(m)->psf_layout == SHEAR_PSF_BY_ID) {
+    if (shear_mock_get_info(m)->psf_layout == SHEAR_PSF_BY_ID)
         columns |= SHEAR_COL_PSF_ID;
-    }
     return columns;
 }
 
@@ -117,9 +113,8 @@ static int create(shear_field_writer **w, const shear_mock *m, const char *path,
     const shear_mock_info *info = shear_mock_get_info(m);
     CLEANUP(history_deinit) history h = {0};
     const int code = history_init(&h, s, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_field_spec field = {.name = s->field[0] ? s->field : NULL,
                               .pixscale = NAN,
                               .has_truth = true,
@@ -141,9 +136,8 @@ static int write_psfs(shear_field_writer *w, const shear_mock *m, double *image,
     for (int64_t i = 0; i < shear_mock_get_info(m)->n_psf; i++) {
         shear_mock_psf_image(m, i, image);
         const int code = shear_field_write_psf(w, i, image, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -152,9 +146,8 @@ static int write_chunk(shear_field_writer *w, const shear_mock *m, chunk *c, int
                        int count, int threads, shear_error *err) {
     unsigned columns = columns_of(m);
     int code = shear_mock_stamps(m, first, count, threads, c->galaxy, c->noise, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     for (int i = 0; i < count; i++) {
         c->id[i] = first + i;
         shear_mock_centre(m, first + i, &c->x[i], &c->y[i]);
@@ -175,9 +168,8 @@ static int write_stamps(shear_field_writer *w, const shear_mock *m, chunk *c,
     for (int64_t first = 0; first < n; first += c->capacity) {
         int count = (int)(n - first < c->capacity ? n - first : c->capacity);
         int code = write_chunk(w, m, c, first, count, o->threads, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         if (o->progress != NULL && o->progress(o->context, first + count, n) != 0) {
             return shear_fail(err, SHEAR_E_CANCELLED, NULL,
                               "stopped after %lld of %lld mock stamps", (long long)first + count,
@@ -194,13 +186,11 @@ int shear_mock_write(const shear_mock *m, const char *path, const shear_mock_wri
     shear_field_writer *w = NULL;
     CLEANUP(chunk_deinit) chunk c = {0};
     int code = chunk_init(&c, m, o->threads, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = create(&w, m, path, o->overwrite, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = write_psfs(w, m, c.psf, err);
     code = code != SHEAR_OK ? code : write_stamps(w, m, &c, o, err);
     if (code != SHEAR_OK) {

@@ -21,9 +21,8 @@ static const experiment *const experiments[] = {
 
 static void print_list(FILE *out) {
     fputs("usage: shear-paper EXPERIMENT [OPTION...]\n       shear-paper help EXPERIMENT\n\n", out);
-    for (const experiment *const *e = experiments; *e != NULL; e++) {
+    for (const experiment *const *e = experiments; *e != NULL; e++)
         fprintf(out, "  %-12s %s\n", (*e)->name, (*e)->summary);
-    }
     fputs("\nEach leaves NAME.ecsv and NAME.png in the folder --out, and a state from which a run "
           "that\n"
           "was stopped goes on.\n",
@@ -32,9 +31,8 @@ static void print_list(FILE *out) {
 
 static const experiment *find(const char *name) {
     for (const experiment *const *e = experiments; *e != NULL; e++) {
-        if (strcmp((*e)->name, name) == 0) {
+        if (strcmp((*e)->name, name) == 0)
             return *e;
-        }
     }
     must_fail(SHEAR_E_SETTING, NULL, "no experiment is called '%s'", name);
 }
@@ -61,9 +59,8 @@ int main(int argc, char **argv) {
         return EXIT_CODE_DONE;
     }
     const experiment *e = find(name);
-    for (int i = 2; i < argc; i++) {
+    for (int i = 2; i < argc; i++)
         help = help || is_help(argv[i]);
-    }
     if (help) {
         options_help(e, stdout);
     } else {

@@ -21,15 +21,13 @@ const command *const *command_table(void) {
 const command *command_find(const char *name) {
     spelling meant = {.given = name};
     for (const command *const *c = command_table(); *c != NULL; c++) {
-        if (strcmp((*c)->name, name) == 0) {
+        if (strcmp((*c)->name, name) == 0)
             return *c;
-        }
         spelling_consider(&meant, (*c)->name);
     }
     char hint[96] = "\"shearctl help\" lists the subcommands";
-    if (meant.best != NULL) {
+    if (meant.best != NULL)
         snprintf(hint, sizeof hint, "did you mean \"shearctl %s\"?", meant.best);
-    }
     message_fail(hint, "unknown subcommand \"%s\"", name);
     return NULL;
 }
@@ -49,8 +47,7 @@ void command_print_list(FILE *out) {
     fputs("usage: shearctl SUBCOMMAND [OPTION...] [FILE...]\n\n"
           "Weak-lensing shear from galaxy stamps (Zhang 2010).\n\n",
           out);
-    for (const command *const *c = command_table(); *c != NULL; c++) {
+    for (const command *const *c = command_table(); *c != NULL; c++)
         fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
-    }
     fputs("\n\"shearctl help SUBCOMMAND\" explains one; shearctl(1) is the manual.\n", out);
 }

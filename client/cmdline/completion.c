@@ -19,9 +19,8 @@ static void field(FILE *out, const char *text, size_t n) {
             space = true;
             continue;
         }
-        if (space) {
+        if (space)
             fputc(' ', out);
-        }
         space = false;
         fputc(text[i] == '|' ? ',' : text[i], out);
     }
@@ -31,13 +30,11 @@ static void field(FILE *out, const char *text, size_t n) {
 static void choices(FILE *out, const char *option, const char *metavar, size_t length) {
     const shear_setting_def *def = shear_settings_find(option);
     if (def != NULL && def->type == SHEAR_T_CHOICE && strncmp(metavar, def->metavar, length) == 0) {
-        for (const char *const *c = def->choices; *c != NULL; c++) {
+        for (const char *const *c = def->choices; *c != NULL; c++)
             fprintf(out, "%s%s", c == def->choices ? "" : " ", *c);
-        }
     } else if (memchr(metavar, '|', length) != NULL) {
-        for (size_t i = 0; i < length; i++) {
+        for (size_t i = 0; i < length; i++)
             fputc(metavar[i] == '|' ? ' ' : metavar[i], out);
-        }
     }
 }
 
@@ -69,18 +66,16 @@ static void print_line(const char *self, const char *line, FILE *out) {
     for (const char *at = line; (at = strstr(at, "--")) && at < line + flags; at += 2) {
         size_t length = (size_t)(line + flags - at);
         const char *comma = memchr(at, ',', length);
-        if (comma != NULL && strncmp(comma, ", --", 4) == 0) {
+        if (comma != NULL && strncmp(comma, ", --", 4) == 0)
             length = (size_t)(comma - at);
-        }
         print_option(self, at, length, help, out);
     }
 }
 
 void completion_options(const char *name, const char *usage, FILE *out) {
     for (const char *line = usage; *line != '\0';) {
-        if (strncmp(line, "  -", 3) == 0) {
+        if (strncmp(line, "  -", 3) == 0)
             print_line(name, line, out);
-        }
         const char *end = strchr(line, '\n');
         line = end != NULL ? end + 1 : line + strlen(line);
     }
@@ -104,13 +99,11 @@ static enum exit_code print_one(const command *self, FILE *out) {
     CLEANUP(release_free) char *text = NULL;
     size_t size = 0;
     FILE *usage = open_memstream(&text, &size);
-    if (usage == NULL) {
+    if (usage == NULL)
         return message_no_memory();
-    }
     command_print_usage(self, settings_options_help, usage);
-    if (fclose(usage) != 0 || text == NULL) {
+    if (fclose(usage) != 0 || text == NULL)
         return message_no_memory();
-    }
     print_command(self, out);
     completion_options(self->name, text, out);
     return EXIT_CODE_DONE;
@@ -118,8 +111,7 @@ static enum exit_code print_one(const command *self, FILE *out) {
 
 enum exit_code completion_data_print(FILE *out) {
     enum exit_code code = EXIT_CODE_DONE;
-    for (const command *const *c = command_table(); code == EXIT_CODE_DONE && *c != NULL; c++) {
+    for (const command *const *c = command_table(); code == EXIT_CODE_DONE && *c != NULL; c++)
         code = print_one(*c, out);
-    }
     return code;
 }

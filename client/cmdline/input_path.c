@@ -27,13 +27,11 @@ int input_path_absolute(const char *name, char **path, shear_error *err) {
     }
     const char *slash = strrchr(name, '/');
     const char *last = slash != NULL ? slash + 1 : name;
-    if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0) {
+    if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0)
         return shear_fail(err, SHEAR_E_IO, NULL, "%s is not the name of a file", name);
-    }
     char *parent = slash != NULL ? strndup(name, (size_t)(slash - name)) : strdup(".");
-    if (parent == NULL) {
+    if (parent == NULL)
         return no_memory(err);
-    }
     char *real = realpath(parent, NULL);
     const int code =
         real != NULL ? join(real, last, path, err)

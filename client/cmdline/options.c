@@ -33,21 +33,18 @@ static void long_options_init(long_options *l, const option_entry *entries, bool
         const bool bare = e->flag != NULL || e->bare;
         l->table[n] = (struct option){e->name, bare ? no_argument : required_argument, NULL,
                                       value_of(entries, n)};
-        if (e->letter != '\0') {
+        if (e->letter != '\0')
             text_append(l->letters, sizeof l->letters, "%c%s", e->letter, bare ? "" : ":");
-        }
     }
-    if (with_settings) {
+    if (with_settings)
         settings_options_fill(l->table + n, SETTINGS_OPTIONS_MAX + 1);
-    }
 }
 
 /* How many options begin with the given text: getopt_long takes any unambiguous beginning. */
 static int count_beginnings(const char *text, size_t length, const struct option *table) {
     int n = 0;
-    for (; table->name != NULL; table++) {
+    for (; table->name != NULL; table++)
         n += strncmp(table->name, text, length) == 0;
-    }
     return n;
 }
 
@@ -59,9 +56,8 @@ static enum exit_code fail_unknown(const command *self, const char *given,
     char hint[160];
     snprintf(name, sizeof name, "%.*s", (int)length, text);
     spelling meant = {.given = name};
-    for (const struct option *o = table; o->name != NULL; o++) {
+    for (const struct option *o = table; o->name != NULL; o++)
         spelling_consider(&meant, o->name);
-    }
     const bool ambiguous = count_beginnings(text, length, table) > 1;
     if (meant.best != NULL && !ambiguous) {
         snprintf(hint, sizeof hint, "did you mean --%s?", meant.best);
@@ -75,9 +71,8 @@ static enum exit_code fail_unknown(const command *self, const char *given,
 
 /* The option that getopt_long complains of. */
 static const char *name_of(int value, const struct option *table) {
-    while (table->name != NULL && table->val != value) {
+    while (table->name != NULL && table->val != value)
         table++;
-    }
     return table->name != NULL ? table->name : "?";
 }
 
@@ -87,9 +82,8 @@ static enum exit_code fail_option(const command *self, int value, char **argv,
     const char *given = argv[optind - 1];
     const char letter[] = {'-', (char)optopt, '\0'};
     const char *fault = value == ':' ? "needs a value" : "takes no value";
-    if (value == '?' && optopt == 0) {
+    if (value == '?' && optopt == 0)
         return fail_unknown(self, given, table);
-    }
     if (value == '?' && strncmp(given, "--", 2) != 0) {
         return fail_unknown(self, letter, table); /* of a bundle, which may still be argv[optind] */
     }
@@ -130,18 +124,14 @@ static enum exit_code set_seconds(const option_entry *e, const char *value) {
 }
 
 static enum exit_code set_entry(const option_entry *e, const char *value) {
-    if (e->given != NULL) {
+    if (e->given != NULL)
         *e->given = true;
-    }
-    if (e->set != NULL) {
+    if (e->set != NULL)
         return e->set(e, value);
-    }
-    if (e->integer != NULL) {
+    if (e->integer != NULL)
         return options_integer(e->name, value, e->min, e->max, e->integer);
-    }
-    if (e->seconds != NULL) {
+    if (e->seconds != NULL)
         return set_seconds(e, value);
-    }
     if (e->flag != NULL) {
         *e->flag = true;
     } else {
@@ -161,13 +151,11 @@ static enum exit_code set_setting(int value, option_settings *settings) {
 }
 
 static enum exit_code set(int value, const option_entry *entries, option_settings *settings) {
-    if (settings_options_is(value)) {
+    if (settings_options_is(value))
         return set_setting(value, settings);
-    }
     size_t i = 0;
-    while (value_of(entries, i) != value) {
+    while (value_of(entries, i) != value)
         i++;
-    }
     return set_entry(&entries[i], optarg);
 }
 
@@ -178,15 +166,13 @@ enum exit_code options_parse(const command *self, int argc, char **argv,
     opterr = 0;
     for (;;) {
         const int value = getopt_long(argc, argv, l.letters, l.table, NULL);
-        if (value == -1) {
+        if (value == -1)
             return EXIT_CODE_DONE;
-        }
         const enum exit_code code = value == '?' || value == ':'
                                         ? fail_option(self, value, argv, l.table)
                                         : set(value, entries, settings);
-        if (code != EXIT_CODE_DONE) {
+        if (code != EXIT_CODE_DONE)
             return code;
-        }
     }
 }
 

@@ -20,26 +20,21 @@ bool part_options_any(const part_options *o) {
 
 /* Another table for a field file: its parts, and that. */
 static void use_file(part_options *o, const char *file) {
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
         o->given[i] = i == SHEAR_PART_CATALOG ? o->given[i] : file;
-    }
 }
 
 enum exit_code part_options_settle(part_options *o, const command *self, char **files,
                                    int n_files) {
     const bool all = are_images_given(o, true);
-    if (are_images_given(o, false) && n_files > 0) {
+    if (are_images_given(o, false) && n_files > 0)
         return options_fail(self, "give either field files, or --galaxy, --noise and --psf");
-    }
-    if (o->given[SHEAR_PART_CATALOG] != NULL && n_files > 1) {
+    if (o->given[SHEAR_PART_CATALOG] != NULL && n_files > 1)
         return options_fail(self, "--catalog-in goes with one field file");
-    }
-    if (part_options_any(o) && !all && n_files < 1) {
+    if (part_options_any(o) && !all && n_files < 1)
         return options_fail(self, "--galaxy, --noise and --psf belong together");
-    }
-    if (o->given[SHEAR_PART_CATALOG] != NULL && n_files == 1) {
+    if (o->given[SHEAR_PART_CATALOG] != NULL && n_files == 1)
         use_file(o, files[0]);
-    }
     return !all && n_files < 1 ? options_fail(self, "which files?") : EXIT_CODE_DONE;
 }
 
@@ -47,13 +42,11 @@ static int set_part(part_input *p, int i, const char *given, bool absolute, shea
     shear_input_part *part = &p->input.parts[i];
     size_t length = 0;
     const int code = input_path_hdu(given, part, &length, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     CLEANUP(release_free) char *file = strndup(given, length);
-    if (file == NULL) {
+    if (file == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
     if (!absolute) {
         part->path = p->paths[i] = CLEANUP_TAKE(file);
         return SHEAR_OK;
@@ -68,9 +61,8 @@ int part_input_init(part_input *p, const part_options *o, bool absolute, shear_e
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         const int code =
             o->given[i] != NULL ? set_part(p, i, o->given[i], absolute, err) : SHEAR_OK;
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }

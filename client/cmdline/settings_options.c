@@ -31,9 +31,8 @@ size_t settings_options_fill(struct option *options, size_t capacity) {
                 (struct option){negated_name(i, table[i].name), no_argument, NULL, value + 1};
         }
     }
-    if (written < capacity) {
+    if (written < capacity)
         options[written] = (struct option){NULL, 0, NULL, 0};
-    }
     return written;
 }
 
@@ -67,9 +66,8 @@ static void setting_text_init(setting_text *t, const shear_setting_def *def) {
     shear_settings_format(&s, def, t->value, sizeof t->value);
     t->unit = strcmp(t->value, "auto") == 0 ? "" : def->unit;
     t->choices[0] = '\0';
-    if (def->type == SHEAR_T_CHOICE) {
+    if (def->type == SHEAR_T_CHOICE)
         text_list(t->choices, sizeof t->choices, def->choices);
-    }
 }
 
 /* Print words of `text` from column `indent`, at most 78 wide; the cursor is at `column`. */
@@ -112,16 +110,14 @@ static void print_help(const shear_setting_def *def, FILE *out) {
 void settings_options_help(FILE *out) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         print_help(&table[i], out);
-    }
 }
 
 /* Text for roff: backslashes and hyphens as such, and no control line by accident. */
 static void print_roff(FILE *out, const char *text) {
-    if (text[0] == '.' || text[0] == '\'') {
+    if (text[0] == '.' || text[0] == '\'')
         fputs("\\&", out);
-    }
     for (; *text != '\0'; text++) {
         if (*text == '\\') {
             fputs("\\e", out);
@@ -158,7 +154,6 @@ static void print_man(const shear_setting_def *def, FILE *out) {
 void settings_options_man(FILE *out) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         print_man(&table[i], out);
-    }
 }

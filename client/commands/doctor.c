@@ -9,9 +9,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     const option_entry options[] = {
         {.name = "config", .text = &d.config}, SERVICE_OPTIONS(&d.service), {0}};
     const enum exit_code code = service_parse(self, argc, argv, options, &d.service, "", 0, 0);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     doctor_run(&d);
     return d.worst == SHEARD_CHECK_FAIL ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }

@@ -60,9 +60,8 @@ static void print_row(const char *field, const sheard_msg_field_row *row, bool u
            row->partial ? "  (partial: more is to come)" : "");
     print_jobs(row);
     report_text_print(row->report, row->reason, stdout);
-    if (row->report == NULL && row->reason != NULL) {
+    if (row->report == NULL && row->reason != NULL)
         text_line(stdout, "reason", "%s", row->reason);
-    }
     if (row->culprit.job != 0) {
         text_line(stdout, "culprit",
                   "job %" PRId64 " (%s): shearctl retract %" PRId64 " takes it back",
@@ -78,9 +77,8 @@ static enum exit_code print(const sheard_msg_field_result *result, bool contribu
     for (size_t i = 0; code == EXIT_CODE_DONE && i < result->n_rows; i++) {
         const sheard_msg_field_row *row = &result->rows[i];
         print_row(result->field, row, utc);
-        if (contributions && row->n_contributions > 0) {
+        if (contributions && row->n_contributions > 0)
             code = print_contributions(row, utc);
-        }
     }
     fflush(stdout);
     if (result->mixed) {
@@ -109,17 +107,15 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         SERVICE_OPTIONS(&s),
         {0}};
     enum exit_code code = service_start(self, argc, argv, options, &s, "field", 1, 1);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     p.field.field = argv[optind];
     if (!jobs && s.json) {
         p.field.limit = 0; /* else its files tell in which range PSF radii and cores are */
     }
     code = service_answer(&s, SHEARD_METHOD_FIELD, &p, &reply);
-    if (code == EXIT_CODE_DONE && !s.json) {
+    if (code == EXIT_CODE_DONE && !s.json)
         code = print(&reply.field, jobs, s.utc);
-    }
     sheard_reply_deinit(&reply, SHEARD_METHOD_FIELD);
     return code;
 }

@@ -13,21 +13,18 @@
 static void print_names(const sheard_msg_field_page *page) {
     char name[256];
     for (size_t i = 0; i < page->n_fields; i++) {
-        if (i == 0 || strcmp(page->fields[i].field, page->fields[i - 1].field) != 0) {
+        if (i == 0 || strcmp(page->fields[i].field, page->fields[i - 1].field) != 0)
             puts(message_clean(page->fields[i].field, name, sizeof name));
-        }
     }
 }
 
 static size_t show(const page_list *l, const sheard_reply *reply, const char **next) {
     const sheard_msg_field_page *page = &reply->fields;
     const bool rows = !l->service.json && !l->brief;
-    if (l->brief && !l->service.json) {
+    if (l->brief && !l->service.json)
         print_names(page);
-    }
-    for (size_t i = 0; i < page->n_fields && rows; i++) {
+    for (size_t i = 0; i < page->n_fields && rows; i++)
         field_table_add(l->table, &page->fields[i], clock_ms(CLOCK_REALTIME));
-    }
     *next = page->cursor;
     return page->n_fields;
 }
@@ -51,9 +48,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         SERVICE_OPTIONS(&l.service),
         {0}};
     const enum exit_code code = service_start(self, argc, argv, options, &l.service, "", 0, 1);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     l.table = field_table_new();
     p->prefix = optind < argc && argv[optind][0] != '\0' ? argv[optind] : NULL;
     return page_list_print(&l);

@@ -16,12 +16,10 @@ static enum exit_code explain(service *s, const sheard_msg_forget *what) {
     sheard_params_init(&p, SHEARD_METHOD_FIELD);
     p.field = (sheard_msg_field){.field = what->field, .digest = what->digest};
     const enum exit_code code = service_call(s, SHEARD_METHOD_FIELD, &p, &reply);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
-    for (size_t i = 0; i < reply.field.n_rows; i++) {
+    for (size_t i = 0; i < reply.field.n_rows; i++)
         jobs += reply.field.rows[i].jobs;
-    }
     message_fail("--yes does it",
                  "this would take back %" PRId64 " contributions to field %s, in %zu results", jobs,
                  message_clean(reply.field.field, name, sizeof name), reply.field.n_rows);
@@ -53,9 +51,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
                                     SERVICE_OPTIONS(&s),
                                     {0}};
     const enum exit_code code = service_start(self, argc, argv, options, &s, "field", 1, 1);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     p.forget.field = argv[optind];
     return yes ? forget(&s, &p) : explain(&s, &p.forget);
 }

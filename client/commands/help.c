@@ -15,9 +15,8 @@ static void refer_to_settings(FILE *out) {
 
 static enum exit_code explain(const char *name, void (*settings)(FILE *out)) {
     const command *found = command_find(name);
-    if (found == NULL) {
+    if (found == NULL)
         return EXIT_CODE_USAGE;
-    }
     command_print_usage(found, settings, stdout);
     return EXIT_CODE_DONE;
 }
@@ -31,12 +30,10 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         settings_options_man(stdout);
         return EXIT_CODE_DONE;
     }
-    if (argc == 2 && strcmp(argv[1], "--completion-data") == 0) {
+    if (argc == 2 && strcmp(argv[1], "--completion-data") == 0)
         return completion_data_print(stdout);
-    }
-    if (argc == 3 && strcmp(argv[1], "--man") == 0) {
+    if (argc == 3 && strcmp(argv[1], "--man") == 0)
         return explain(argv[2], refer_to_settings);
-    }
     if (argc > 2) {
         message_fail("\"shearctl help SUBCOMMAND\"", "%s: expected one name, got %d", self->name,
                      argc - 1);

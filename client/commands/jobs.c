@@ -87,9 +87,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         SERVICE_OPTIONS(&l.service),
         {0}};
     const enum exit_code code = service_start(self, argc, argv, options, &l.service, "", 0, 0);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     l.table = job_table_new();
     return page_list_print(&l);
 }

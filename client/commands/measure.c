@@ -16,9 +16,8 @@ enum { MAX_THREADS = 1024, MAX_JACKKNIFE = 100000 };
 
 static enum exit_code check(const command *self, measure_options *o, char **files, int n_files) {
     const enum exit_code code = part_options_settle(&o->parts, self, files, n_files);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     if (o->jackknife != 0 && o->settings.values.estimator != SHEAR_ESTIMATOR_MEAN) {
         message_fail("leave one of the two out", "--jackknife is for --estimator mean only");
         return EXIT_CODE_USAGE;
@@ -43,9 +42,8 @@ static enum exit_code parse(const command *self, int argc, char **argv, measure_
         {0}};
     shear_settings_init(&o->settings.values);
     enum exit_code code = options_parse(self, argc, argv, options, &o->settings);
-    if (code == EXIT_CODE_DONE) {
+    if (code == EXIT_CODE_DONE)
         code = options_check_settings(&o->settings);
-    }
     return code != EXIT_CODE_DONE ? code : check(self, o, argv + optind, argc - optind);
 }
 
@@ -53,9 +51,8 @@ static enum exit_code print_json(const measure_group *g, const measure_options *
     shear_error err = {0};
     CLEANUP(release_free) char *text = NULL;
     CLEANUP(release_free) sheard_report_file *files = calloc(g->n, sizeof *files);
-    if (files == NULL) {
+    if (files == NULL)
         return message_no_memory();
-    }
     const measure_input *top = measure_group_top(g);
     sheard_report report = {
         .field = g->field,
@@ -87,9 +84,8 @@ static enum exit_code show(const measure_group *g, const measure_options *o) {
         result_text_print(g, &o->settings.values, stdout);
     }
     fflush(stdout); /* a field's result is out before the next one is measured */
-    if (!o->quiet) {
+    if (!o->quiet)
         warnings_print(&g->warnings, g->field);
-    }
     return code;
 }
 
@@ -111,14 +107,12 @@ static enum exit_code measure_groups(measure_input *inputs, size_t n, const meas
     measure_group *groups = NULL;
     size_t n_groups = 0;
     enum exit_code shown = EXIT_CODE_DONE;
-    if (!measure_groups_new(inputs, n, &groups, &n_groups)) {
+    if (!measure_groups_new(inputs, n, &groups, &n_groups))
         return message_no_memory();
-    }
     warn_duplicates(inputs, n, groups, n_groups);
     for (size_t i = 0; i < n_groups && !progress_interrupted(); i++) {
-        if (measure_group_run(&groups[i], o) && show(&groups[i], o) != EXIT_CODE_DONE) {
+        if (measure_group_run(&groups[i], o) && show(&groups[i], o) != EXIT_CODE_DONE)
             shown = EXIT_CODE_OTHER;
-        }
     }
     measure_groups_free(groups, n_groups);
     return progress_interrupted() || shown != EXIT_CODE_DONE ? EXIT_CODE_OTHER
@@ -129,32 +123,27 @@ static enum exit_code measure_inputs(const shear_input *sources, const char *con
                                      const measure_options *o) {
     enum exit_code code = EXIT_CODE_DONE;
     measure_input *inputs = calloc(n, sizeof *inputs);
-    if (inputs == NULL) {
+    if (inputs == NULL)
         return message_no_memory();
-    }
     for (size_t i = 0; i < n; i++) {
         inputs[i].source = &sources[i];
         inputs[i].path = names[i];
     }
     measure_inputs_open(inputs, n, o->field);
-    if (o->catalog != NULL) {
+    if (o->catalog != NULL)
         code = catalog_paths_resolve(inputs, n, o->catalog, o->force);
-    }
-    if (code == EXIT_CODE_DONE) {
+    if (code == EXIT_CODE_DONE)
         code = measure_groups(inputs, n, o);
-    }
     measure_inputs_free(inputs, n);
     return code;
 }
 
 static enum exit_code measure_files(char **paths, size_t n, const measure_options *o) {
     CLEANUP(release_free) shear_input *sources = calloc(n, sizeof *sources);
-    if (sources == NULL) {
+    if (sources == NULL)
         return message_no_memory();
-    }
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         sources[i] = shear_input_of_file(paths[i]);
-    }
     return measure_inputs(sources, (const char *const *)paths, n, o);
 }
 
@@ -174,9 +163,8 @@ static enum exit_code measure_parts(const measure_options *o) {
 static enum exit_code run(const command *self, int argc, char **argv) {
     measure_options o = {.threads = 0};
     const enum exit_code code = parse(self, argc, argv, &o);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     return part_options_any(&o.parts) ? measure_parts(&o)
                                       : measure_files(argv + optind, (size_t)(argc - optind), &o);
 }

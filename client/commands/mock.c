@@ -45,12 +45,10 @@ static enum exit_code parse(const command *self, int argc, char **argv, mock_opt
                                             .bare = table[i].metavar == NULL};
     }
     const enum exit_code code = options_parse(self, argc, argv, options, NULL);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
-    if (argc - optind != 1) {
+    if (argc - optind != 1)
         return options_fail(self, "expected one output file, got %d", argc - optind);
-    }
     o->path = argv[optind];
     return EXIT_CODE_DONE;
 }
@@ -81,9 +79,8 @@ static void print_report(const mock_options *o, const shear_mock_info *info) {
 static int write_field(const mock_options *o, shear_error *err) {
     CLEANUP(shear_mock_release) shear_mock *m = NULL;
     int code = shear_mock_new(&m, &o->spec, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     progress *bar = o->quiet ? progress_begin_quiet() : progress_begin("mock");
     const shear_mock_write_options how = {.threads = (int)o->threads,
                                           .overwrite = o->force,
@@ -91,9 +88,8 @@ static int write_field(const mock_options *o, shear_error *err) {
                                           .context = bar};
     code = shear_mock_write(m, o->path, &how, err);
     progress_end(bar);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     print_report(o, shear_mock_get_info(m));
     return SHEAR_OK;
 }
@@ -103,9 +99,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     shear_error err = {0};
     shear_mock_spec_init(&o.spec);
     const enum exit_code parsed = parse(self, argc, argv, &o);
-    if (parsed != EXIT_CODE_DONE) {
+    if (parsed != EXIT_CODE_DONE)
         return parsed;
-    }
     const int code = write_field(&o, &err);
     if (code != SHEAR_OK) {
         message_error(&err);

@@ -35,12 +35,10 @@ static enum exit_code parse(const command *self, int argc, char **argv, plot_com
                                     {0}};
     shear_settings_init(&c->settings.values);
     enum exit_code code = options_parse(self, argc, argv, options, &c->settings);
-    if (code == EXIT_CODE_DONE) {
+    if (code == EXIT_CODE_DONE)
         code = options_check_settings(&c->settings);
-    }
-    if (code == EXIT_CODE_DONE && argc - optind != 1) {
+    if (code == EXIT_CODE_DONE && argc - optind != 1)
         return options_fail(self, "expected one file, got %d", argc - optind);
-    }
     c->options.settings = &c->settings.values;
     c->path = argv[optind];
     return code;
@@ -59,9 +57,8 @@ static char *default_output(const char *path) {
     size_t length = strlen(base);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         const size_t ending = strlen(endings[i]);
-        if (length > ending && strncmp(base + length - ending, endings[i], ending) == 0) {
+        if (length > ending && strncmp(base + length - ending, endings[i], ending) == 0)
             length -= ending;
-        }
     }
     char *out = NULL;
     return asprintf(&out, "%.*s.png", (int)length, base) < 0 ? NULL : out;
@@ -105,16 +102,13 @@ static enum exit_code draw_catalog(shear_figure **figure, const plot_command *c,
 static enum exit_code draw(shear_figure **figure, const plot_command *c) {
     shear_error err = {0};
     shear_field *field = NULL;
-    if (shear_field_open(&field, c->path, &err) == SHEAR_E_FORMAT) {
+    if (shear_field_open(&field, c->path, &err) == SHEAR_E_FORMAT)
         return draw_catalog(figure, c, &err);
-    }
-    if (field != NULL && plot_sheet(figure, field, &c->options, &err) != 0) {
+    if (field != NULL && plot_sheet(figure, field, &c->options, &err) != 0)
         shear_prefix(&err, err.code, "%s", c->path);
-    }
     shear_field_close(field);
-    if (err.code != 0) {
+    if (err.code != 0)
         message_error(&err);
-    }
     return measure_failure_of(err.code, false);
 }
 
@@ -131,9 +125,8 @@ static enum exit_code save(shear_figure *figure, const plot_command *c) {
     shear_error err = {0};
     char shown[4200];
     CLEANUP(release_free) char *out = c->out != NULL ? strdup(c->out) : default_output(c->path);
-    if (out == NULL) {
+    if (out == NULL)
         return message_no_memory();
-    }
     if (is_input(out, c->path)) {
         message_fail("-o names another file", "%s is the input itself", out);
         return EXIT_CODE_USAGE;
@@ -154,12 +147,10 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     plot_command c = {.options = {.stamp = -1, .n_stamps = PLOT_DEFAULT_STAMPS}};
     shear_figure *figure = NULL;
     enum exit_code code = parse(self, argc, argv, &c);
-    if (code == EXIT_CODE_DONE) {
+    if (code == EXIT_CODE_DONE)
         code = draw(&figure, &c);
-    }
-    if (code == EXIT_CODE_DONE) {
+    if (code == EXIT_CODE_DONE)
         code = save(figure, &c);
-    }
     shear_figure_free(figure);
     return code;
 }

@@ -16,9 +16,8 @@ static void print(const sheard_reply *reply, const service *s) {
     print_list("changed:", r->changed, r->n_changed);
     print_list("needs a restart:", r->restart, r->n_restart);
     print_list("warning:", r->warnings, r->n_warnings);
-    if (r->n_changed + r->n_restart == 0) {
+    if (r->n_changed + r->n_restart == 0)
         puts("nothing has changed");
-    }
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {

@@ -26,12 +26,10 @@ static enum exit_code run(const command *self, int argc, char **argv) {
                                     SERVICE_OPTIONS(&s),
                                     {0}};
     enum exit_code code = service_start(self, argc, argv, options, &s, "", 0, 0);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
-    if (now) {
+    if (now)
         p.shutdown.mode = SHEARD_SHUTDOWN_NOW;
-    }
     const bool comes_back = !s.json && is_activated(&s);
     code = service_answer(&s, SHEARD_METHOD_SHUTDOWN, &p, &reply);
     if (code == EXIT_CODE_DONE && !s.json) {

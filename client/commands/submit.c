@@ -24,15 +24,12 @@ typedef struct submit_state {
 
 static enum exit_code check(const command *self, submit_state *o, char **files, int n) {
     const enum exit_code code = part_options_settle(&o->what.parts, self, files, n);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
-    if (o->what.key != NULL && n > 1) {
+    if (o->what.key != NULL && n > 1)
         return options_fail(self, "a --key stands for one job: give one file with it");
-    }
-    if (!isnan(o->how.timeout_s) && !o->wait) {
+    if (!isnan(o->how.timeout_s) && !o->wait)
         return options_fail(self, "--timeout needs --wait");
-    }
     return EXIT_CODE_DONE;
 }
 
@@ -91,9 +88,8 @@ static void send_all(submit_state *o, char **names, size_t n) {
         } else {
             going = send_one(o, &what, names[i]);
         }
-        if (!going && i + 1 < n) {
+        if (!going && i + 1 < n)
             message_fail(NULL, "%zu more files were not submitted", n - i - 1);
-        }
     }
 }
 
@@ -109,25 +105,21 @@ static enum exit_code print_jobs(submit_state *o) {
 
 static enum exit_code wait_for_all(submit_state *o) {
     const enum exit_code code = follow_jobs(&o->service, o->ids, o->n_ids, &o->how);
-    if (!o->service.json || code == EXIT_CODE_OTHER || code == EXIT_CODE_UNREACHABLE) {
+    if (!o->service.json || code == EXIT_CODE_OTHER || code == EXIT_CODE_UNREACHABLE)
         return code;
-    }
     const enum exit_code printed = print_jobs(o);
     return printed != EXIT_CODE_DONE ? printed : code;
 }
 
 static enum exit_code submit(submit_state *o, char **names, size_t n) {
     enum exit_code code = service_open(&o->service);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     send_all(o, names, n);
-    if (o->wait && o->n_ids > 0) {
+    if (o->wait && o->n_ids > 0)
         code = wait_for_all(o);
-    }
-    if (o->refused == 0) {
+    if (o->refused == 0)
         return code;
-    }
     return o->n_ids == 0 ? o->first_code : code == EXIT_CODE_DONE ? EXIT_CODE_PARTLY : code;
 }
 
@@ -158,15 +150,13 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     static char *no_name[] = {NULL};
     submit_state o = {.how = {.timeout_s = NAN}};
     enum exit_code code = parse(self, argc, argv, &o);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     const bool by_parts = part_options_any(&o.what.parts);
     const size_t n = by_parts ? 1 : (size_t)(argc - optind);
     CLEANUP(release_free) int64_t *ids = calloc(n, sizeof *ids);
-    if (ids == NULL) {
+    if (ids == NULL)
         return message_no_memory();
-    }
     o.ids = ids;
     code = submit(&o, by_parts ? no_name : argv + optind, n);
     service_close(&o.service);

@@ -39,25 +39,21 @@ static enum exit_code show(const sheard_validation_report *v, bool json) {
 static int look_into(const validate_options *o, shear_field **field, shear_plan **plan,
                      sheard_validation_report *v, shear_error *words) {
     int code = shear_field_open(field, v->path, words);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     v->field = shear_field_get_info(*field);
     code = shear_plan_for_field(plan, v->settings, *field, words);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     v->plan = shear_plan_get_info(*plan);
     progress *bar = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
     code = field_scan(*field, *plan, bar, v, words);
     progress_end(bar);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_field_need_name(v->field, v->path, words);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     validation_conclude(v, words);
     return SHEAR_OK;
 }
@@ -92,25 +88,22 @@ static enum exit_code parse(const command *self, int argc, char **argv, validate
         {.name = "json", .flag = &o->json}, {.name = "quiet", .flag = &o->quiet}, {0}};
     shear_settings_init(&o->settings.values);
     enum exit_code code = options_parse(self, argc, argv, options, &o->settings);
-    if (code == EXIT_CODE_DONE) {
+    if (code == EXIT_CODE_DONE)
         code = options_check_settings(&o->settings);
-    }
     return code == EXIT_CODE_DONE && optind >= argc ? options_fail(self, "which files?") : code;
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     validate_options o = {.json = false};
     enum exit_code code = parse(self, argc, argv, &o);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     int n_good = 0;
     for (int i = optind; i < argc; i++) {
         bool good = false;
         code = validate(argv[i], &o, &good);
-        if (code != EXIT_CODE_DONE) {
+        if (code != EXIT_CODE_DONE)
             return code;
-        }
         n_good += good;
     }
     return n_good == argc - optind ? EXIT_CODE_DONE

@@ -35,9 +35,8 @@ static enum exit_code print_one(watch_options *w) {
     sheard_rpc_error error = {0};
     const enum exit_code code =
         service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     if (w->service.json) {
         watch_view_json(&view, stdout);
         return EXIT_CODE_DONE;
@@ -68,9 +67,8 @@ static enum connection_status print_view(watch_options *w, FILE *out, sheard_rpc
     if (s->connection == NULL) {
         const enum connection_status status =
             connection_open(&s->connection, s->socket, s->reply_timeout_s, error);
-        if (status != CONNECTION_OK) {
+        if (status != CONNECTION_OK)
             return status;
-        }
     }
     CLEANUP(watch_view_deinit) watch_view view = {0};
     const enum connection_status status = watch_view_init(&view, s, w->jobs, error);
@@ -99,27 +97,23 @@ static bool draw(watch_options *w) {
     CLEANUP(release_free) char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    if (out == NULL) {
+    if (out == NULL)
         return false;
-    }
     compose(w, out);
-    if (fclose(out) != 0 || text == NULL) {
+    if (fclose(out) != 0 || text == NULL)
         return false;
-    }
     screen_draw(text);
     return true;
 }
 
 static enum exit_code live(watch_options *w) {
     const enum exit_code code = service_open(&w->service);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     screen_begin();
     bool drawn = draw(w);
-    for (int64_t i = 1; drawn && i != w->count && !screen_wait(w->interval_s); i++) {
+    for (int64_t i = 1; drawn && i != w->count && !screen_wait(w->interval_s); i++)
         drawn = draw(w);
-    }
     screen_end();
     return drawn ? EXIT_CODE_DONE : message_no_memory();
 }
@@ -133,9 +127,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         SERVICE_OPTIONS(&w.service),
         {0}};
     enum exit_code code = service_parse(self, argc, argv, options, &w.service, "", 0, 0);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     code = !w.service.json && screen_possible() ? live(&w) : print_many(&w);
     service_close(&w.service);
     return code;

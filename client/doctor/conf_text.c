@@ -21,9 +21,8 @@ static bool is_section(const char *line, const char *section) {
 /* What stands behind "key =" in the line, or NULL. */
 static const char *value_of(const char *line, const char *key) {
     const size_t n = strlen(key);
-    if (strncmp(line, key, n) != 0) {
+    if (strncmp(line, key, n) != 0)
         return NULL;
-    }
     line += n + strspn(line + n, " ");
     return *line == '=' ? line + 1 : NULL;
 }
@@ -36,13 +35,11 @@ static char *collect(const char *at) {
         at += strspn(at, " ");
         size_t n = strcspn(at, "\n");
         const char *next = next_line(at);
-        while (n > 0 && at[n - 1] == ' ') {
+        while (n > 0 && at[n - 1] == ' ')
             n--;
-        }
         text_append(value, size, "%s%.*s", value[0] != '\0' && n > 0 ? " " : "", (int)n, at);
-        if (*next != ' ') {
+        if (*next != ' ')
             break;
-        }
         at = next;
     }
     return value;
@@ -51,13 +48,11 @@ static char *collect(const char *at) {
 char *conf_text_value(const char *text, const char *section, const char *key) {
     bool inside = false;
     for (const char *line = text; *line != '\0'; line = next_line(line)) {
-        if (*line == '[') {
+        if (*line == '[')
             inside = is_section(line, section);
-        }
         const char *value = inside ? value_of(line, key) : NULL;
-        if (value != NULL) {
+        if (value != NULL)
             return collect(value);
-        }
     }
     return NULL;
 }

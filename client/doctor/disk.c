@@ -76,18 +76,16 @@ static bool check_directory(doctor *d, const char *subject, const char *path, st
 static void check_folders(doctor *d) {
     static const char *const names[] = {"incoming", "active", "done", "failed"};
     struct stat spool;
-    if (!check_directory(d, "spool", d->spool, &spool)) {
+    if (!check_directory(d, "spool", d->spool, &spool))
         return;
-    }
     check_room(d, "spool", d->spool);
     size_t good = 0;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char path[4400];
         struct stat st;
         snprintf(path, sizeof path, "%s/%s", d->spool, names[i]);
-        if (!check_directory(d, "spool", path, &st)) {
+        if (!check_directory(d, "spool", path, &st))
             continue;
-        }
         if (st.st_dev != spool.st_dev) {
             doctor_fail(d, "spool", "all four folders must be on the disk of the spool",
                         "%s is on another file system", path);
@@ -95,9 +93,8 @@ static void check_folders(doctor *d) {
             good++;
         }
     }
-    if (good == sizeof names / sizeof *names) {
+    if (good == sizeof names / sizeof *names)
         doctor_ok(d, "spool", "incoming, active, done and failed are there, and can be written to");
-    }
 }
 
 /* Is there a lock (flock) on the file? The kernel's list is read: asking for the lock could take it
@@ -108,12 +105,10 @@ static bool is_locked(const struct stat *st) {
     bool found = false;
     FILE *locks = fopen("/proc/locks", "re");
     snprintf(inode, sizeof inode, ":%ju ", (uintmax_t)st->st_ino);
-    while (locks != NULL && !found && fgets(line, sizeof line, locks) != NULL) {
+    while (locks != NULL && !found && fgets(line, sizeof line, locks) != NULL)
         found = strstr(line, "FLOCK") != NULL && strstr(line, inode) != NULL;
-    }
-    if (locks != NULL) {
+    if (locks != NULL)
         fclose(locks);
-    }
     return found;
 }
 
@@ -186,9 +181,8 @@ static void check_roots(doctor *d) {
     }
     for (char *at = d->roots; at;) {
         char *comma = strstr(at, ", ");
-        if (comma != NULL) {
+        if (comma != NULL)
             *comma = '\0';
-        }
         check_root(d, at);
         at = comma != NULL ? comma + 2 : NULL;
     }
@@ -198,9 +192,8 @@ void doctor_check_disks(doctor *d) {
     struct stat st;
     if (d->state_dir != NULL && check_directory(d, "state", d->state_dir, &st)) {
         check_room(d, "state", d->state_dir);
-        if (doctor_test_write(d, "state", d->state_dir)) {
+        if (doctor_test_write(d, "state", d->state_dir))
             doctor_ok(d, "state", "%s can be written to", d->state_dir);
-        }
         doctor_check_local(d, d->state_dir);
     }
     if (d->spool != NULL && d->has_spool) {

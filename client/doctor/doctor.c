@@ -10,16 +10,14 @@ static void choose_socket(doctor *d) {
     const char *environment = getenv("SHEARD_SOCKET");
     const bool named = d->service.socket != connection_default_path() ||
                        (environment != NULL && environment[0] != '\0');
-    if (!named && d->socket != NULL && d->socket[0] != '\0') {
+    if (!named && d->socket != NULL && d->socket[0] != '\0')
         d->service.socket = d->socket;
-    }
 }
 
 /* With the service's eyes, if it answers. */
 static void look(doctor *d) {
-    if (d->reached) {
+    if (d->reached)
         doctor_use_paths(d);
-    }
     doctor_check_config(d);
     if (d->told) {
         doctor_check_view(d);
@@ -30,9 +28,8 @@ static void look(doctor *d) {
                     me != NULL ? me->pw_name : "this user");
         doctor_check_disks(d);
     }
-    if (!d->reached || !doctor_check_probe(d)) {
+    if (!d->reached || !doctor_check_probe(d))
         doctor_check_kernel(d);
-    }
 }
 
 void doctor_run(doctor *d) {

@@ -18,9 +18,8 @@ static void check_seccomp(doctor *d) {
                   good ? NULL : "use a kernel with CONFIG_SECCOMP_FILTER",
                   good ? "system calls of readers can be filtered"
                        : "system calls of readers cannot be filtered: files will not be read");
-    if (fd >= 0) {
+    if (fd >= 0)
         close(fd);
-    }
 }
 
 static void check_landlock(doctor *d) {

@@ -22,9 +22,8 @@ static const char *line_with(const char *text, const char *word, const char *oth
     while (*text != '\0') {
         const size_t n = strcspn(text, "\n");
         snprintf(buf, size, "%.*s", (int)n, text);
-        if (strstr(buf, word) != NULL && (other == NULL || strstr(buf, other) == NULL)) {
+        if (strstr(buf, word) != NULL && (other == NULL || strstr(buf, other) == NULL))
             return buf;
-        }
         text += n + (text[n] == '\n');
     }
     return NULL;
@@ -49,9 +48,8 @@ static void check_version(doctor *d, const char *program) {
 void doctor_check_config(doctor *d) {
     char line[400];
     char *text = NULL;
-    if (d->program == NULL) {
+    if (d->program == NULL)
         return;
-    }
     if (d->told && access(d->config, R_OK) != 0) {
         doctor_warn(d, "config", "run doctor as root",
                     "%s, which the service uses, cannot be read by you: %s", d->config,

@@ -15,9 +15,8 @@ static void print_line(const sheard_check_result *r) {
     char text[1200];
     printf("%s%-4s%s  %-11s  %s\n", colours ? styles[r->level] : "", names[r->level],
            colours ? STYLE_END : "", r->subject, message_clean(r->message, text, sizeof text));
-    if (r->remedy[0] != '\0') {
+    if (r->remedy[0] != '\0')
         printf("%19s%s\n", "-> ", message_clean(r->remedy, text, sizeof text));
-    }
     fflush(stdout);
 }
 

@@ -30,16 +30,14 @@ static bool collect(int fd, char *buf, size_t size) {
         struct pollfd p = {.fd = fd, .events = POLLIN};
         const double left_ms = 1000.0 * (deadline - clock_s(CLOCK_MONOTONIC));
         const int ready = left_ms > 0.0 ? poll(&p, 1, (int)left_ms + 1) : 0;
-        if (ready == 0) {
+        if (ready == 0)
             return false;
-        }
         const bool fits = used + 1 < size;
         const ssize_t n =
             ready > 0 ? read(fd, fits ? buf + used : rest, fits ? size - 1 - used : sizeof rest)
                       : -1;
-        if (n == 0 || (n < 0 && errno != EINTR)) {
+        if (n == 0 || (n < 0 && errno != EINTR))
             return n == 0;
-        }
         used += n > 0 && fits ? (size_t)n : 0;
         buf[used] = '\0';
     }
@@ -47,9 +45,8 @@ static bool collect(int fd, char *buf, size_t size) {
 
 static int start(const char *const argv[], int output, pid_t *pid) {
     posix_spawn_file_actions_t actions;
-    if (posix_spawn_file_actions_init(&actions) != 0) {
+    if (posix_spawn_file_actions_init(&actions) != 0)
         return -1;
-    }
     int failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     failed =
         failed != 0 ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
@@ -66,19 +63,16 @@ int run_program(const char *const argv[], char **text) {
     int state = 0;
     pid_t pid = 0;
     *text = calloc(1, OUTPUT_MAX);
-    if (*text == NULL || pipe2(ends, O_CLOEXEC) != 0) {
+    if (*text == NULL || pipe2(ends, O_CLOEXEC) != 0)
         return -1;
-    }
     CLEANUP(release_fd) const int output = ends[0];
     const int failed = start(argv, ends[1], &pid);
     close(ends[1]);
-    if (failed != 0) {
+    if (failed != 0)
         return -1;
-    }
     const bool good = collect(output, *text, OUTPUT_MAX);
-    if (!good) {
+    if (!good)
         kill(pid, SIGKILL);
-    }
     while (waitpid(pid, &state, 0) < 0 && errno == EINTR) {
     }
     return good && WIFEXITED(state) ? WEXITSTATUS(state) : -1;
@@ -87,12 +81,10 @@ int run_program(const char *const argv[], char **text) {
 /* "DIRECTORY/name" if that is a program; `length` bytes of directory. */
 static char *find_in(const char *directory, size_t length, const char *name) {
     char *path = NULL;
-    if (asprintf(&path, "%.*s/%s", (int)length, directory, name) < 0) {
+    if (asprintf(&path, "%.*s/%s", (int)length, directory, name) < 0)
         return NULL;
-    }
-    if (access(path, X_OK) == 0) {
+    if (access(path, X_OK) == 0)
         return path;
-    }
     free(path);
     return NULL;
 }
@@ -111,9 +103,8 @@ static char *search(const char *directories, const char *name) {
 static char *find_beside(const char *name) {
     char own[4096];
     const ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
-    if (n <= 0) {
+    if (n <= 0)
         return NULL;
-    }
     own[n] = '\0';
     *strrchr(own, '/') = '\0';
     char *found = find_in(own, strlen(own), name);

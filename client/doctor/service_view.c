@@ -61,19 +61,15 @@ static void tell_disk(doctor *d, const sheard_msg_disk *disk) {
 
 void doctor_check_view(doctor *d) {
     const sheard_msg_status *s = &d->status.status;
-    for (size_t i = 0; i < s->n_disks; i++) {
+    for (size_t i = 0; i < s->n_disks; i++)
         tell_disk(d, &s->disks[i]);
-    }
     doctor_check_local(d, s->state_dir);
-    if (s->spool.path != NULL) {
+    if (s->spool.path != NULL)
         doctor_check_clock(d);
-    }
-    for (size_t i = 0; i < s->n_roots; i++) {
+    for (size_t i = 0; i < s->n_roots; i++)
         tell_root(d, &s->roots[i]);
-    }
-    if (s->n_roots == 0) {
+    if (s->n_roots == 0)
         doctor_report_no_roots(d);
-    }
 }
 
 /* ---- can it measure? ---- */

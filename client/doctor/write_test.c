@@ -36,9 +36,8 @@ static int try_as(const struct passwd *user, const char *directory) {
         const bool good = user == NULL || become(user);
         _exit(good && io_open_nameless(directory) >= 0 ? 0 : errno & 0xff);
     }
-    if (pid < 0 || waitpid(pid, &status, 0) != pid || !WIFEXITED(status)) {
+    if (pid < 0 || waitpid(pid, &status, 0) != pid || !WIFEXITED(status))
         return ECHILD;
-    }
     return WEXITSTATUS(status);
 }
 
@@ -46,9 +45,8 @@ bool doctor_test_write(doctor *d, const char *subject, const char *directory) {
     struct stat st = {0};
     const struct passwd *user = other_user();
     const int error = try_as(user, directory);
-    if (error == 0) {
+    if (error == 0)
         return true;
-    }
     const struct passwd *owner = stat(directory, &st) == 0 ? getpwuid(st.st_uid) : NULL;
     const bool ours = geteuid() == 0 || (owner != NULL && owner->pw_uid == geteuid());
     char remedy[300];

@@ -26,9 +26,8 @@ static char *path_in(const char *directory, const char *input) {
     char *path = NULL;
     for (size_t i = 0; base != NULL && i < sizeof endings / sizeof *endings; i++) {
         const size_t n = strlen(endings[i]);
-        if (strlen(base) > n && text_ends_with(base, endings[i])) {
+        if (strlen(base) > n && text_ends_with(base, endings[i]))
             base[strlen(base) - n] = '\0';
-        }
     }
     return base == NULL || asprintf(&path, "%s/%s.shear.fits", directory, base) < 0 ? NULL : path;
 }
@@ -40,9 +39,8 @@ static bool same_file(const struct stat *st, const char *path) {
 
 static bool reads_file(const shear_input *input, const struct stat *st) {
     bool reads = input->path != NULL && same_file(st, input->path);
-    for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++)
         reads = reads || (input->parts[i].path != NULL && same_file(st, input->parts[i].path));
-    }
     return reads;
 }
 
@@ -69,20 +67,17 @@ static enum exit_code check_existing(const char *path, const struct stat *st,
 /* Why no file can be made in `directory`: an errno, or 0. */
 static int unwritable(const char *directory) {
     struct stat st;
-    if (stat(directory, &st) != 0) {
+    if (stat(directory, &st) != 0)
         return errno;
-    }
-    if (!S_ISDIR(st.st_mode)) {
+    if (!S_ISDIR(st.st_mode))
         return ENOTDIR;
-    }
     return access(directory, W_OK | X_OK) == 0 ? 0 : errno;
 }
 
 static enum exit_code check_parent(const char *path) {
     CLEANUP(release_free) char *copy = strdup(path); /* dirname may write to it */
-    if (copy == NULL) {
+    if (copy == NULL)
         return message_no_memory();
-    }
     const char *parent = dirname(copy);
     const int why = unwritable(parent);
     if (why != 0) {
@@ -98,18 +93,16 @@ static enum exit_code check_path(const char *path, const measure_input *inputs, 
     struct stat st;
     if (stat(path, &st) == 0) {
         const enum exit_code code = check_existing(path, &st, inputs, n, force);
-        if (code != EXIT_CODE_DONE) {
+        if (code != EXIT_CODE_DONE)
             return code;
-        }
     }
     return check_parent(path);
 }
 
 static enum exit_code check_all(const measure_input *inputs, size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
-        if (inputs[i].catalog == NULL) {
+        if (inputs[i].catalog == NULL)
             continue;
-        }
         for (size_t j = 0; j < i; j++) {
             if (inputs[j].catalog != NULL && strcmp(inputs[j].catalog, inputs[i].catalog) == 0) {
                 message_fail("measure them in separate runs, or rename one",
@@ -119,9 +112,8 @@ static enum exit_code check_all(const measure_input *inputs, size_t n, bool forc
             }
         }
         const enum exit_code code = check_path(inputs[i].catalog, inputs, n, force);
-        if (code != EXIT_CODE_DONE) {
+        if (code != EXIT_CODE_DONE)
             return code;
-        }
     }
     return EXIT_CODE_DONE;
 }
@@ -140,9 +132,8 @@ enum exit_code catalog_paths_resolve(measure_input *inputs, size_t n, const char
         if (measure_input_is_wanted(&inputs[i])) {
             inputs[i].catalog =
                 directory ? path_in(out, measure_input_path(&inputs[i])) : strdup(out);
-            if (inputs[i].catalog == NULL) {
+            if (inputs[i].catalog == NULL)
                 return message_no_memory();
-            }
         }
     }
     return check_all(inputs, n, force);

@@ -14,13 +14,11 @@ int estimators_solve(const shear_field_sums *sums, const shear_symmetry *terms,
     int code = SHEAR_OK;
     *out = (sheard_report_estimators){.n = 0};
     shear_field_result(sums, &out->of[0]);
-    if (terms == NULL || !out->of[0].valid || out->of[0].n_used < ESTIMATORS_MIN) {
+    if (terms == NULL || !out->of[0].valid || out->of[0].n_used < ESTIMATORS_MIN)
         return SHEAR_OK;
-    }
     out->of[1] = *chosen;
-    if (!shear_estimator_is_symmetric(chosen->estimator)) {
+    if (!shear_estimator_is_symmetric(chosen->estimator))
         code = shear_estimate(SHEAR_ESTIMATOR_PDF_SYM, sums, terms, &out->of[1], err);
-    }
     out->n = code == SHEAR_OK && out->of[1].valid ? SHEARD_REPORT_ESTIMATORS : 0;
     return code;
 }

@@ -45,9 +45,8 @@ static pixel_statistics look_at(const double *pixel, size_t n, double bad) {
     double sum = 0.0;
     double squares = 0.0;
     for (size_t i = 0; i < n; i++) {
-        if (isfinite(pixel[i]) && pixel[i] < p.lowest && pixel[i] != bad && pixel[i] != narrow) {
+        if (isfinite(pixel[i]) && pixel[i] < p.lowest && pixel[i] != bad && pixel[i] != narrow)
             p.lowest = pixel[i];
-        }
         double d = pixel[i] - pixel[0]; /* about the first: see noise_levels */
         sum += d;
         squares += d * d;
@@ -90,9 +89,8 @@ static void set_noise(const noise_levels *l, sheard_validation_report *v) {
 }
 
 static void fault_add(sheard_fault *f, int64_t index) {
-    if (f->count < SHEARD_FAULT_SAMPLES) {
+    if (f->count < SHEARD_FAULT_SAMPLES)
         f->first[f->count] = index;
-    }
     f->count++;
 }
 
@@ -110,27 +108,22 @@ static int look_at_stamp(scan_state *s, const shear_stamps *t, int i, unsigned *
     pixel_statistics noise = look_at_noise(t, i, bad);
     shear_row row;
     int code = shear_examine(s->plan, s->ws, t, i, &row, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *flags = row.flags;
-    if (!has_artefact(row.flags)) {
+    if (!has_artefact(row.flags))
         s->v->lowest_pixel = fmin(s->v->lowest_pixel, fmin(galaxy.lowest, noise.lowest));
-    }
-    if (row.flags == 0) {
+    if (row.flags == 0)
         levels_add(&s->levels, &noise);
-    }
-    if (row.flags == 0 && s->is_log && fmin(galaxy.lowest, noise.lowest) + s->pedestal < 0.0) {
+    if (row.flags == 0 && s->is_log && fmin(galaxy.lowest, noise.lowest) + s->pedestal < 0.0)
         fault_add(&s->v->negative, t->first + i);
-    }
     return SHEAR_OK;
 }
 
 static void count_flags(sheard_validation_report *v, unsigned flags, int64_t index) {
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
-        if (flags & (1u << bit)) {
+        if (flags & (1u << bit))
             fault_add(&v->flags[bit], index);
-        }
     }
     v->n_measurable += flags == 0;
 }
@@ -149,17 +142,15 @@ static int scan_block(scan_state *s, shear_error *err) {
     unsigned flags[MAX_BLOCK];
     for (int i = 0; i < t->count; i++) {
         int code = look_at_stamp(s, t, i, &flags[i], err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     /* Stamps that a log method cannot take would be an error here: they are reported as such
      * instead. */
     if (s->v->negative.count == 0) {
         int code = shear_measure_batch(s->plan, t, 0, NULL, s->rows, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         for (int i = 0; i < t->count; i++) {
             flags[i] |= s->rows[i].flags;
             add_row(s, &s->rows[i], t->first + i);
@@ -167,9 +158,8 @@ static int scan_block(scan_state *s, shear_error *err) {
     }
     for (int i = 0; i < t->count; i++) {
         count_flags(s->v, flags[i], t->first + i);
-        if (flags[i] == 0) {
+        if (flags[i] == 0)
             weight_check_add(&s->weights, t, i);
-        }
     }
     return SHEAR_OK;
 }
@@ -189,16 +179,13 @@ static int scan_all(scan_state *s, shear_field *field, progress *bar, shear_erro
         const int64_t left = total - first;
         const int count = left < s->block->capacity ? (int)left : s->block->capacity;
         int code = shear_field_read(field, first, count, s->block, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         code = scan_block(s, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
-        if (progress_callback(bar, first + count, total) != 0) {
+        if (progress_callback(bar, first + count, total) != 0)
             return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
-        }
     }
     return SHEAR_OK;
 }
@@ -206,13 +193,11 @@ static int scan_all(scan_state *s, shear_field *field, progress *bar, shear_erro
 static int scan_init(scan_state *s, const shear_field_info *info, shear_error *err) {
     shear_block_sums_init(&s->under_way);
     int code = shear_field_sums_new(&s->sums, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_block_new(&s->block, info, block_capacity(info), err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     s->rows = calloc((size_t)s->block->capacity, sizeof *s->rows);
     return s->rows == NULL ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory")
                            : shear_workspace_new(&s->ws, s->plan, err);

@@ -18,9 +18,8 @@
 /* The group of this field: one that is there, or the next one. */
 static measure_group *group_of(measure_group *groups, size_t n, const char *field) {
     for (size_t i = 0; i < n; i++) {
-        if (strcmp(groups[i].field, field) == 0) {
+        if (strcmp(groups[i].field, field) == 0)
             return &groups[i];
-        }
     }
     groups[n].field = field;
     return &groups[n];
@@ -30,9 +29,8 @@ bool measure_groups_new(measure_input *inputs, size_t n, measure_group **groups,
     *n_groups = 0;
     *groups = calloc(n + 1, sizeof **groups);
     for (size_t i = 0; *groups != NULL && i < n; i++) {
-        if (!measure_input_is_wanted(&inputs[i])) {
+        if (!measure_input_is_wanted(&inputs[i]))
             continue;
-        }
         measure_group *g = group_of(*groups, *n_groups, inputs[i].field);
         *n_groups += g == &(*groups)[*n_groups];
         if (!ARRAY_RESERVE(g->inputs, g->capacity, g->n + 1)) {
@@ -63,9 +61,8 @@ static int by_checksum(const void *a, const void *b) {
 /* An hour of work must not end in "fewer blocks than groups". */
 static int check_blocks(const measure_group *g, int groups, shear_error *err) {
     int64_t blocks = 0;
-    for (size_t i = 0; i < g->n; i++) {
+    for (size_t i = 0; i < g->n; i++)
         blocks += (g->inputs[i]->info.n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
-    }
     if (groups > blocks) {
         return shear_fail(err, SHEAR_E_SETTING,
                           "use fewer groups, or the delta method (no --jackknife)",
@@ -78,9 +75,8 @@ static int check_blocks(const measure_group *g, int groups, shear_error *err) {
 static void fail_all(measure_group *g, int code, const shear_error *err) {
     message_error(err);
     for (size_t i = 0; i < g->n; i++) {
-        if (g->inputs[i]->failure == 0) {
+        if (g->inputs[i]->failure == 0)
             g->inputs[i]->failure = measure_failure_of(code, false);
-        }
     }
 }
 
@@ -130,9 +126,8 @@ static size_t run_inputs(measure_input **order, size_t n, const measure_options 
 
 static int64_t count_stamps(const measure_group *g) {
     int64_t n = 0;
-    for (size_t i = 0; i < g->n; i++) {
+    for (size_t i = 0; i < g->n; i++)
         n += g->inputs[i]->info.n_stamps;
-    }
     return n;
 }
 
@@ -140,9 +135,8 @@ static int gathering_init(gathering *to, const measure_group *g, const measure_o
                           shear_error *err) {
     const bool wanted = estimators_wanted(count_stamps(g), o->settings.values.estimator);
     int code = shear_field_sums_new(&to->sums, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = wanted ? shear_symmetry_new(&to->terms, err) : SHEAR_OK;
     return code != SHEAR_OK || o->jackknife == 0
                ? code
@@ -171,17 +165,14 @@ static int run_all(measure_group *g, const measure_options *o, measure_input **o
                    shear_error *err) {
     CLEANUP(gathering_deinit) gathering to = {0};
     int code = gathering_init(&to, g, o, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *done = run_inputs(order, g->n, o, &to);
     code = shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (to.terms != NULL) {
+    if (to.terms != NULL)
         check_weights(g, to.terms);
-    }
     code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
     return code != SHEAR_OK || to.jack == NULL || *done == 0
                ? code
@@ -228,9 +219,8 @@ static void add_warnings(measure_group *g, size_t done) {
     const measure_input *top = done > 1 ? measure_group_top(g) : NULL;
     sheard_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan,
                       top != NULL ? top->path : NULL);
-    for (size_t i = 0; i < advice.n; i++) {
+    for (size_t i = 0; i < advice.n; i++)
         warnings_add(&g->warnings, "%s", advice.lines[i]);
-    }
     warn_of_other_psfs(g);
     if (done < g->n) {
         warnings_add(&g->warnings, "%zu of %zu files failed and are not in this result",
@@ -241,16 +231,14 @@ static void add_warnings(measure_group *g, size_t done) {
 static int measure(measure_group *g, const measure_options *o, size_t *done, shear_error *err) {
     /* The order of the arguments, or, for the jackknife, of the checksums. */
     CLEANUP(release_free) measure_input **order = calloc(g->n, sizeof(measure_input *));
-    if (order == NULL) {
+    if (order == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
     memcpy(order, g->inputs, g->n * sizeof(measure_input *));
     if (o->jackknife > 0) {
         qsort(order, g->n, sizeof(measure_input *), by_checksum);
         const int code = check_blocks(g, (int)o->jackknife, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return run_all(g, o, order, done, err);
 }
@@ -260,16 +248,14 @@ bool measure_group_run(measure_group *g, const measure_options *o) {
     size_t done = 0;
     int code = measure(g, o, &done, &err);
     const bool measured = code == SHEAR_OK && done > 0;
-    for (size_t i = 0; i < g->n; i++) {
+    for (size_t i = 0; i < g->n; i++)
         g->seconds += g->inputs[i]->measured ? g->inputs[i]->report.seconds : 0.0;
-    }
     if (measured) {
         add_warnings(g, done);
         code = check_result(g, &err);
     }
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         fail_all(g, code, &err);
-    }
     return measured;
 }
 
@@ -289,9 +275,8 @@ size_t measure_group_files(const measure_group *g, sheard_report_file *files) {
 
 const measure_input *measure_group_first(const measure_group *g) {
     for (size_t i = 0; i < g->n; i++) {
-        if (g->inputs[i]->measured) {
+        if (g->inputs[i]->measured)
             return g->inputs[i];
-        }
     }
     return NULL;
 }
@@ -312,9 +297,8 @@ const measure_input *measure_group_top(const measure_group *g) {
 
 bool measure_group_truth(const measure_group *g, double *g1, double *g2) {
     const measure_input *first = measure_group_first(g);
-    if (first == NULL || !first->info.has_truth) {
+    if (first == NULL || !first->info.has_truth)
         return false;
-    }
     *g1 = first->info.sim_g1;
     *g2 = first->info.sim_g2;
     for (size_t i = 0; i < g->n; i++) {

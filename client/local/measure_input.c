@@ -10,9 +10,8 @@
 static int look_into(measure_input *input, const char *name, shear_error *err) {
     shear_field *field = NULL;
     int code = shear_field_open_input(&field, input->source, NULL, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     input->info = *shear_field_get_info(field);
     shear_field_close(field);
     code = shear_input_checksum(input->source, NULL, &input->info, input->checksum, err);
@@ -53,9 +52,8 @@ void measure_inputs_open(measure_input *inputs, size_t n, const char *field) {
 }
 
 void measure_inputs_free(measure_input *inputs, size_t n) {
-    for (size_t i = 0; inputs != NULL && i < n; i++) {
+    for (size_t i = 0; inputs != NULL && i < n; i++)
         free(inputs[i].catalog);
-    }
     free(inputs);
 }
 
@@ -91,12 +89,10 @@ enum exit_code measure_inputs_exit_code(const measure_input *inputs, size_t n) {
             done++;
         }
     }
-    if (done == n) {
+    if (done == n)
         return EXIT_CODE_DONE;
-    }
-    if (done > 0) {
+    if (done > 0)
         return EXIT_CODE_PARTLY;
-    }
     return failed[EXIT_CODE_INPUT] != 0   ? EXIT_CODE_INPUT
            : failed[EXIT_CODE_USAGE] != 0 ? EXIT_CODE_USAGE
                                           : EXIT_CODE_OTHER;

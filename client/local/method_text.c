@@ -17,9 +17,8 @@ static bool filters(const method_lines *m) {
 
 static void print_pixels(const method_lines *m, FILE *out) {
     char fine[32] = "";
-    if (m->oversample > 1) {
+    if (m->oversample > 1)
         snprintf(fine, sizeof fine, " to %d x", m->oversample);
-    }
     text_line(out, "method", "interpolation %s%s, R_PSF %s, beta %s", m->interpolation, fine,
               m->r_psf, m->beta);
 }
@@ -90,8 +89,7 @@ method_lines method_text_of(const shear_plan_info *plan, const shear_settings *s
 
 int64_t method_text_artefacts(const int64_t *flagged) {
     int64_t n = 0;
-    for (unsigned bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+    for (unsigned bit = 0; bit < SHEAR_N_FLAGS; bit++)
         n += (1u << bit) & (SHEAR_FLAG_ARTEFACT | SHEAR_FLAG_NOISE_ARTEFACT) ? flagged[bit] : 0;
-    }
     return n;
 }

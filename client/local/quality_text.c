@@ -64,9 +64,8 @@ quality_lines quality_text_of(const shear_result *r, const shear_plan_info *plan
 }
 
 void quality_text_print(const quality_lines *q, FILE *out) {
-    if (!isfinite(q->n_eff)) {
+    if (!isfinite(q->n_eff))
         return;
-    }
     print_level(q, out);
     if (q->top_stamp >= 0 && isfinite(q->top_share)) {
         text_line(out, "influence",

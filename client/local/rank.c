@@ -21,17 +21,14 @@ static int by_value(const void *a, const void *b) {
 
 /* Twice the rank of each value about the middle, -n+1 .. n-1. */
 static void set_ranks(const double *value, size_t n, ranked_item *items, int64_t *rank) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         items[i] = (ranked_item){value[i], i};
-    }
     qsort(items, n, sizeof *items, by_value);
     for (size_t first = 0, end; first < n; first = end) {
-        for (end = first + 1; end < n && !(items[end].value > items[first].value);) {
+        for (end = first + 1; end < n && !(items[end].value > items[first].value);)
             end++;
-        }
-        for (size_t i = first; i < end; i++) {
+        for (size_t i = first; i < end; i++)
             rank[items[i].index] = (int64_t)(first + end) - (int64_t)n;
-        }
     }
 }
 

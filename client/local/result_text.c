@@ -69,16 +69,14 @@ static void print_estimators(const sheard_report_estimators *e, FILE *out) {
                   value_text(r->g1, r->g1_err, g1, sizeof g1),
                   value_text(r->g2, r->g2_err, g2, sizeof g2));
     }
-    if (e->n > 0) {
+    if (e->n > 0)
         text_line(out, "precision", "%s", estimators_words(e, words, sizeof words));
-    }
 }
 
 static size_t count_measured(const measure_group *g) {
     size_t n = 0;
-    for (size_t i = 0; i < g->n; i++) {
+    for (size_t i = 0; i < g->n; i++)
         n += g->inputs[i]->measured;
-    }
     return n;
 }
 

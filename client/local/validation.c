@@ -33,9 +33,8 @@ static const char subtract_background[] =
 
 /* What to do about a file that would measure. */
 static const char *advice_for(const sheard_validation_report *v) {
-    if (has_background(v)) {
+    if (has_background(v))
         return subtract_background;
-    }
     return v->weight_is_suspect
                ? "weights made of the stamps' own flux bias the shear by several per cent: take "
                  "weights of something else, or none, and --estimator pdf-sym"

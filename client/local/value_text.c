@@ -13,9 +13,8 @@
 enum { MIN_DECIMALS = 5, MAX_DECIMALS = 12 };
 
 int value_text_decimals(double error) {
-    if (!isfinite(error) || error <= 0.0) {
+    if (!isfinite(error) || error <= 0.0)
         return 6;
-    }
     int decimals = 1 - (int)floor(log10(error));
     return decimals < MIN_DECIMALS   ? MIN_DECIMALS
            : decimals > MAX_DECIMALS ? MAX_DECIMALS

@@ -26,15 +26,13 @@ void warnings_add(warning_list *w, const char *format, ...) {
 }
 
 void warnings_print(const warning_list *w, const char *field) {
-    for (size_t i = 0; i < w->n; i++) {
+    for (size_t i = 0; i < w->n; i++)
         message_warning("field %s: %s", field, w->text[i]);
-    }
 }
 
 void warnings_deinit(warning_list *w) {
-    for (size_t i = 0; i < w->n; i++) {
+    for (size_t i = 0; i < w->n; i++)
         free(w->text[i]);
-    }
     free(w->text);
     *w = (warning_list){0};
 }

@@ -21,9 +21,8 @@ static bool reserve(weight_check *c) {
 
 static double mean_of(const double *pixel, size_t n) {
     double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         sum += pixel[i];
-    }
     return sum / (double)n;
 }
 
@@ -43,9 +42,8 @@ static double central_flux(const double *galaxy, int nx, int ny, double level) {
 
 void weight_check_add(weight_check *c, const shear_stamps *t, int i) {
     const size_t n = (size_t)t->nx * (size_t)t->ny;
-    if (t->weight == NULL || !(t->weight[i] > 0.0) || c->n >= RANK_MAX || !reserve(c)) {
+    if (t->weight == NULL || !(t->weight[i] > 0.0) || c->n >= RANK_MAX || !reserve(c))
         return;
-    }
     const size_t planes = t->noise_planes > 1 ? (size_t)t->noise_planes : 1;
     const double level = mean_of(t->noise + (size_t)i * planes * n, planes * n);
     c->weight[c->n] = t->weight[i];
@@ -72,9 +70,8 @@ rank_relation weight_check_terms(const shear_symmetry *terms) {
     const size_t n = shear_symmetry_count(terms);
     CLEANUP(release_free)
     double *values = n <= RANK_MAX ? malloc((2 * n + 1) * sizeof *values) : NULL;
-    if (values == NULL) {
+    if (values == NULL)
         return (rank_relation){.correlation = NAN};
-    }
     shear_symmetry_powers(terms, values, values + n);
     return rank_relate(values, values + n, keep_positive(values, values + n, n));
 }

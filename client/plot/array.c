@@ -31,9 +31,8 @@ int plot_cut_init(plot_cut *cut, const double *array, const plot_lattice *lattic
     cut->x = edges(x, cut->nx, lattice->x0, lattice->step_x);
     cut->y = edges(y, cut->ny, lattice->y0, lattice->step_y);
     cut->pixels = calloc((size_t)cut->nx * (size_t)cut->ny, sizeof *cut->pixels);
-    if (cut->pixels == NULL) {
+    if (cut->pixels == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a picture");
-    }
     for (int row = 0; row < cut->ny; row++) {
         memcpy(cut->pixels + (size_t)row * (size_t)cut->nx,
                array + (size_t)(y + row) * (size_t)lattice->nx + x,
@@ -54,9 +53,8 @@ shear_range plot_cut_range(const plot_cut *cut) {
 int plot_radial_mean(double *out, int bins, double width, const double *array,
                      const plot_lattice *lattice, shear_error *err) {
     double *number = calloc((size_t)bins, sizeof *number);
-    if (number == NULL) {
+    if (number == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a profile");
-    }
     memset(out, 0, (size_t)bins * sizeof *out);
     for (int j = 0; j < lattice->ny; j++) {
         const double y = (j - lattice->y0) * lattice->step_y;
@@ -69,9 +67,8 @@ int plot_radial_mean(double *out, int bins, double width, const double *array,
             }
         }
     }
-    for (int b = 0; b < bins; b++) {
+    for (int b = 0; b < bins; b++)
         out[b] = number[b] > 0.0 ? out[b] / number[b] : NAN;
-    }
     free(number);
     return SHEAR_OK;
 }

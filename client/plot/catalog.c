@@ -36,18 +36,16 @@ static void set_terms(column_values *c, const shear_catalog_table *t, bool secon
     const double d = mean_d(t);
     c->n = 0;
     for (int64_t i = 0; i < t->n; i++) {
-        if (t->rows[i].flags == 0) {
+        if (t->rows[i].flags == 0)
             c->values[c->n++] = (second ? t->rows[i].n2 : t->rows[i].n1) / d;
-        }
     }
 }
 
 static void set_snr(column_values *c, const shear_catalog_table *t) {
     c->n = 0;
     for (int64_t i = 0; i < t->n; i++) {
-        if (t->rows[i].flags == 0 && isfinite(t->rows[i].snr)) {
+        if (t->rows[i].flags == 0 && isfinite(t->rows[i].snr))
             c->values[c->n++] = t->rows[i].snr;
-        }
     }
 }
 
@@ -125,9 +123,8 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
     shear_range r;
     set_terms(c, t, second);
     const int code = robust_range(&r, c, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     snprintf(label, sizeof label,
              "N_{%d} / \xe2\x9f\xa8"
              "D\xe2\x9f\xa9",
@@ -145,9 +142,8 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
 static double plane_reach(const shear_catalog_table *t) {
     const shear_result *r = &t->result;
     double reach = 2.0 * fmax(r->g1_err, r->g2_err);
-    if (t->has_truth) {
+    if (t->has_truth)
         reach = fmax(reach, fmax(fabs(t->sim_g1 - r->g1), fabs(t->sim_g2 - r->g2)));
-    }
     return reach > 0.0 ? 1.7 * reach : 1e-4;
 }
 
@@ -183,9 +179,8 @@ static void draw_plane(shear_figure *f, shear_rect cell, const shear_catalog_tab
 static void flag_words(char name[PLOT_CELL], int bit) {
     snprintf(name, PLOT_CELL, "%s", shear_flag_name(bit));
     for (char *p = name; *p != '\0'; p++) {
-        if (*p == '_') {
+        if (*p == '_')
             *p = ' ';
-        }
     }
 }
 
@@ -200,9 +195,8 @@ typedef struct flag_bars {
 static void collect_bars(flag_bars *b, const shear_catalog_table *t) {
     int64_t counts[SHEAR_N_FLAGS + 1] = {0}; /* the last: without a flag */
     for (int64_t i = 0; i < t->n; i++) {
-        for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+        for (int bit = 0; bit < SHEAR_N_FLAGS; bit++)
             counts[bit] += t->rows[i].flags >> bit & 1;
-        }
         counts[SHEAR_N_FLAGS] += t->rows[i].flags == 0;
     }
     b->n = 0;
@@ -214,9 +208,8 @@ static void collect_bars(flag_bars *b, const shear_catalog_table *t) {
     }
     snprintf(b->words[b->n], PLOT_CELL, "used");
     b->counts[b->n++] = counts[SHEAR_N_FLAGS];
-    for (int i = 0; i < b->n; i++) {
+    for (int i = 0; i < b->n; i++)
         b->names[i] = b->words[i];
-    }
 }
 
 static void draw_flags(shear_figure *f, shear_rect cell, const shear_catalog_table *t) {
@@ -255,13 +248,11 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
         return SHEAR_OK;
     }
     int code = shear_range_percentile(&median, c->values, c->n, 50.0, 50.0, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = robust_range(&r, c, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (shear_range_of(c->values, c->n).lo >= 0.0) {
         r.lo = fmax(r.lo, 0.0); /* there is nothing below */
     }
@@ -275,9 +266,8 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
 static void add_component(plot_table *table, const char *key, double g, double error,
                           bool has_truth, double truth) {
     plot_table_add(table, key, "%.5f \xc2\xb1 %.5f", g, error);
-    if (has_truth) {
+    if (has_truth)
         plot_table_add(table, "", "truth %.5f, pull %+.2f", truth, (g - truth) / error);
-    }
 }
 
 static void draw_summary(shear_figure *f, shear_rect cell, const shear_catalog_table *t) {
@@ -296,12 +286,10 @@ static void draw_summary(shear_figure *f, shear_rect cell, const shear_catalog_t
         }
         plot_table_add(&table, "estimator", "%s", shear_estimator_name(r->estimator));
     }
-    if (isfinite(t->r_psf_px)) {
+    if (isfinite(t->r_psf_px))
         plot_table_add(&table, "R_{PSF}", "%.3f px", t->r_psf_px);
-    }
-    if (isfinite(t->beta_px)) {
+    if (isfinite(t->beta_px))
         plot_table_add(&table, "\xce\xb2", "%.3f px", t->beta_px);
-    }
     cell.x += 24.0;
     plot_table_draw(&table, f, cell, "Result");
 }
@@ -320,9 +308,8 @@ static int draw_shear(shear_figure *f, const shear_grid *grid, const shear_catal
     }
     for (int i = 0; i < 2; i++) {
         const int code = draw_terms(f, shear_grid_cell(grid, 0, i, 1, 1), t, i == 1, c, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     draw_plane(f, shear_grid_cell(grid, 0, 2, 1, 1), t);
     return SHEAR_OK;
@@ -336,9 +323,8 @@ static int draw_panels(shear_figure *f, const shear_catalog_table *t, column_val
                              .gap_x = 18.0,
                              .gap_y = 22.0};
     const int code = draw_shear(f, &grid, t, c, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     draw_flags(f, shear_grid_cell(&grid, 1, 0, 1, 1), t);
     draw_summary(f, shear_grid_cell(&grid, 1, 2, 1, 1), t);
     return draw_snr(f, shear_grid_cell(&grid, 1, 1, 1, 1), t, c, err);
@@ -350,13 +336,11 @@ int plot_catalog(shear_figure **figure, const shear_catalog_table *table, shear_
     CLEANUP(shear_figure_release) shear_figure *f = NULL;
     column_values column = {.values = values};
     *figure = NULL;
-    if (values == NULL) {
+    if (values == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", table->n);
-    }
     int code = shear_figure_new(&f, WIDTH, HEIGHT, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = draw_panels(f, table, &column, err);
     *figure = code == SHEAR_OK ? CLEANUP_TAKE(f) : NULL;
     return code;

@@ -22,9 +22,8 @@ static int draw_psf(shear_figure *f, shear_rect cell, const stamp_reader *b, con
     CLEANUP(plot_cut_deinit) plot_cut cut = {0};
     plot_core_centre(psf, g->psf_nx, g->psf_ny, &lattice.x0, &lattice.y0);
     const int code = plot_cut_init(&cut, psf, &lattice, fmax(PSF_REACH * radius, 3.0 * step), err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const double peak = plot_cut_range(&cut).hi;
     const shear_colour white = {1.0, 1.0, 1.0, 1.0};
     shear_image image = sheet_cut_image(cell, "PSF, log scale", &cut);
@@ -42,9 +41,8 @@ static int draw_transfer(shear_figure *f, shear_rect cell, const stamp_reader *b
                          const shear_inspection *steps, shear_error *err) {
     CLEANUP(plot_cut_deinit) plot_cut cut = {0};
     const int code = sheet_cut_modes(&cut, steps->transfer, b, steps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const shear_range range = plot_cut_range(&cut);
     shear_image image = sheet_cut_image(cell, "transfer T(k), log scale", &cut);
     image.limits = (shear_range){fmax(range.lo, PROFILE_DEPTH * range.hi), range.hi};
@@ -82,18 +80,15 @@ static int profiles_init(profiles *p, const stamp_reader *b, const shear_inspect
     const double *const spectra[] = {steps->power, steps->target_power, steps->transfer};
     p->bins = (int)fmin(fmax(floor(b->chosen->k_cut / width - 0.5), 0.0), 1e5) + 1;
     p->of[0] = calloc((size_t)p->bins * N_PROFILES, sizeof **p->of);
-    if (p->of[0] == NULL) {
+    if (p->of[0] == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for profiles");
-    }
-    for (int i = 1; i < N_PROFILES; i++) {
+    for (int i = 1; i < N_PROFILES; i++)
         p->of[i] = p->of[i - 1] + p->bins;
-    }
     for (int i = 0; i < 3; i++) {
         const int code =
             plot_radial_mean(p->of[PROFILE_POWER + i], p->bins, width, spectra[i], &modes, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     for (int i = 0; i < p->bins; i++) {
         const double k = i * width;
@@ -106,9 +101,8 @@ static int profiles_init(profiles *p, const stamp_reader *b, const shear_inspect
 
 static void as_parts(double *v, int n) {
     const double largest = shear_range_of(v, (size_t)n).hi;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         v[i] /= largest;
-    }
 }
 
 static int draw_profiles(shear_figure *f, shear_rect cell, const stamp_reader *b,
@@ -116,9 +110,8 @@ static int draw_profiles(shear_figure *f, shear_rect cell, const stamp_reader *b
     CLEANUP(profiles_deinit) profiles p = {0};
     char label[64];
     const int code = profiles_init(&p, b, &stamp->steps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     as_parts(p.of[PROFILE_POWER], p.bins);
     as_parts(p.of[PROFILE_TARGET_POWER], p.bins);
     plot_print(label, sizeof label, "|F|^{2} of stamp %" PRId64, stamp->index);
@@ -178,12 +171,10 @@ static void draw_numbers(shear_figure *f, shear_rect cell, const stamp_reader *b
     plot_table_add(&t, "noise",
                    shear_plan_get_settings(b->plan)->noise_correction ? "subtracted"
                                                                       : "not subtracted");
-    if (isfinite(info->pixscale)) {
+    if (isfinite(info->pixscale))
         plot_table_add(&t, "pixel", "%.4g arcsec", info->pixscale);
-    }
-    if (info->has_truth) {
+    if (info->has_truth)
         plot_table_add(&t, "true shear", "(%.4f, %.4f)", info->sim_g1, info->sim_g2);
-    }
     plot_table_draw(&t, f, cell, "Plan");
 }
 
@@ -194,14 +185,12 @@ int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b,
         .area = area, .rows = 1, .columns = 4, .gap_x = 16.0, .column_weights = widths};
     CLEANUP(release_free) double *psf = NULL;
     int code = stamp_reader_psf(&psf, b, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     draw_numbers(f, shear_grid_cell(&grid, 0, 3, 1, 1), b);
     code = draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err);
-    if (code != SHEAR_OK || !stamp->measured) {
+    if (code != SHEAR_OK || !stamp->measured)
         return code;
-    }
     code = draw_transfer(f, shear_grid_cell(&grid, 0, 1, 1, 1), b, &stamp->steps, err);
     return code != SHEAR_OK ? code
                             : draw_profiles(f, shear_grid_cell(&grid, 0, 2, 1, 1), b, stamp, err);

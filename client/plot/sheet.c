@@ -25,9 +25,8 @@ static int draw_row(shear_figure *f, stamp_reader *b, const shear_grid *grid, in
                               PLAN_ROW - 22.0 - PAD};
     CLEANUP(sheet_stamp_deinit) sheet_stamp stamp = {0};
     int code = stamp_reader_read(b, index, &stamp, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = sheet_draw_stamp(f, grid, i, b, &stamp, err);
     return code != SHEAR_OK || i > 0 ? code : sheet_draw_plan(f, below, b, &stamp, err);
 }
@@ -44,9 +43,8 @@ static int draw_stamps(shear_figure *f, stamp_reader *b, const int64_t *index, i
     sheet_draw_headings(f, &grid, TOP - 38.0, b);
     for (int i = n - 1; i >= 0; i--) {
         const int code = draw_row(f, b, &grid, i, index[i], err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -59,17 +57,14 @@ int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *op
     int n = 0;
     *figure = NULL;
     int code = stamp_reader_init(&b, field, options->settings, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = stamp_reader_choose(&b, options, index, &n, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_figure_new(&f, WIDTH, TOP + n * STAMP_ROW + (n - 1) * ROW_GAP + PLAN_ROW, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = draw_stamps(f, &b, index, n, err);
     *figure = code == SHEAR_OK ? CLEANUP_TAKE(f) : NULL;
     return code;

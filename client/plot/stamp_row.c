@@ -42,9 +42,8 @@ int sheet_cut_modes(plot_cut *cut, const double *modes, const stamp_reader *b,
     const double k_cut = b->chosen->k_cut;
     const int code =
         plot_cut_init(cut, modes, &lattice, k_cut + fmax(lattice.step_x, lattice.step_y), err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     for (int j = 0; j < cut->ny; j++) {
         const double ky = cut->y.lo + (j + 0.5) * lattice.step_y;
         for (int i = 0; i < cut->nx; i++) {
@@ -99,9 +98,8 @@ static int galaxy_scale(shear_image *image, const sheet_stamp *stamp, size_t n, 
     shear_range noise;
     image->stretch = SHEAR_ASINH;
     int code = shear_range_percentile(&image->limits, stamp->galaxy, n, 1.0, 100.0, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_range_percentile(&noise, stamp->noise, n, 16.0, 84.0, err);
     image->knee = noise.hi - noise.lo; /* 2 sigma; 0 or NaN without noise: automatic */
     return code;
@@ -125,9 +123,8 @@ static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const s
     noise.cell = shear_grid_cell(grid, row, 1, 1, 1);
     noise.pixels = stamp->noise;
     const int code = galaxy_scale(&image, stamp, (size_t)g->nx * (size_t)g->ny, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     draw_image(f, &image);
     draw_image(f, &noise);
     if (stamp->measured) {
@@ -147,9 +144,8 @@ static int draw_modes(shear_figure *f, shear_rect cell, const stamp_reader *b, c
                       const shear_inspection *steps, shear_error *err) {
     CLEANUP(plot_cut_deinit) plot_cut cut = {0};
     const int code = sheet_cut_modes(&cut, modes, b, steps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const double peak = plot_cut_range(&cut).hi;
     shear_image image = sheet_cut_image(cell, NULL, &cut);
     image.limits = (shear_range){POWER_DEPTH * peak, peak};
@@ -192,8 +188,7 @@ int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const sta
         return code;
     }
     code = draw_modes(f, shear_grid_cell(grid, row, 4, 1, 1), b, steps->power, steps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return draw_modes(f, shear_grid_cell(grid, row, 5, 1, 1), b, steps->target_power, steps, err);
 }

@@ -14,9 +14,8 @@ int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings 
                       shear_error *err) {
     *b = (stamp_reader){.field = field, .info = shear_field_get_info(field)};
     int code = shear_plan_for_field(&b->plan, settings, field, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     b->chosen = shear_plan_get_info(b->plan);
     code = shear_workspace_new(&b->ws, b->plan, err);
     return code != SHEAR_OK ? code : shear_block_new(&b->block, b->info, 1, err);
@@ -44,9 +43,8 @@ static int find_usable(stamp_reader *b, int64_t first, int64_t end, int64_t *fou
         const int64_t index = first + (length / 2 + try) % length;
         shear_row row;
         const int code = measure(b, index, &row, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         if (row.flags == 0) {
             *found = index;
             break;
@@ -78,25 +76,21 @@ int stamp_reader_choose(stamp_reader *b, const plot_options *options,
         int64_t found = -1;
         const int code = find_usable(b, part_start(total, parts, k),
                                      part_start(total, parts, k + 1), &found, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
-        if (found >= 0) {
+        if (found >= 0)
             index[(*n)++] = found;
-        }
     }
-    if (*n == 0) {
+    if (*n == 0)
         index[(*n)++] = total / 2;
-    }
     return SHEAR_OK;
 }
 
 int stamp_reader_read(stamp_reader *b, int64_t index, sheet_stamp *stamp, shear_error *err) {
     *stamp = (sheet_stamp){.index = index, .galaxy = b->block->galaxy, .noise = b->block->noise};
     int code = measure(b, index, &stamp->row, err);
-    if (code != SHEAR_OK || stamp->row.flags != 0) {
+    if (code != SHEAR_OK || stamp->row.flags != 0)
         return code;
-    }
     code = shear_inspect(b->plan, b->ws, &b->block->stamps, 0, &stamp->steps, err);
     stamp->measured = code == SHEAR_OK;
     return code;
@@ -112,15 +106,12 @@ int stamp_reader_psf(double **psf, const stamp_reader *b, shear_error *err) {
     const size_t pixels = (size_t)g->psf_nx * (size_t)g->psf_ny;
     const shear_stamps *stamps = &b->block->stamps;
     *psf = calloc(pixels, sizeof **psf);
-    if (*psf == NULL) {
+    if (*psf == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a PSF image");
-    }
-    if (b->info->psf_layout == SHEAR_PSF_ONE) {
+    if (b->info->psf_layout == SHEAR_PSF_ONE)
         return shear_field_read_psf(b->field, 0, *psf, err);
-    }
     const int which = stamps->psf_index != NULL ? stamps->psf_index[0] : 0;
-    if (which >= 0 && which < stamps->n_psf) {
+    if (which >= 0 && which < stamps->n_psf)
         memcpy(*psf, stamps->psf + (size_t)which * pixels, pixels * sizeof **psf);
-    }
     return SHEAR_OK;
 }

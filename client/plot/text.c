@@ -44,9 +44,8 @@ char *plot_print(char *buf, size_t size, const char *format, ...) {
 }
 
 void plot_table_add(plot_table *t, const char *key, const char *format, ...) {
-    if (t->n == PLOT_TABLE_ROWS) {
+    if (t->n == PLOT_TABLE_ROWS)
         return;
-    }
     va_list args;
     va_start(args, format);
     print_args(t->values[t->n], sizeof t->values[0], format, args);

@@ -40,12 +40,10 @@ void connection_listen(connection *c, connection_listener *listener, void *conte
 }
 
 void connection_close(connection *c) {
-    if (c == NULL) {
+    if (c == NULL)
         return;
-    }
-    if (c->fd >= 0) {
+    if (c->fd >= 0)
         close(c->fd);
-    }
     sheard_reply_deinit(&c->welcome, SHEARD_METHOD_HELLO);
     sheard_frame_deinit(&c->frame);
     free(c);
@@ -84,15 +82,13 @@ static enum connection_status receive(connection *c, double deadline, sheard_mes
             return sheard_message_parse(m, line, n, error) != 0 ? bad_message(error)
                                                                 : CONNECTION_OK;
         }
-        if (event != SHEARD_FRAME_MORE) {
+        if (event != SHEARD_FRAME_MORE)
             return bad_line(event, error);
-        }
         c->at = c->input;
         const enum connection_status status =
             socket_io_receive(c->fd, c->input, sizeof c->input, &c->left, deadline, error);
-        if (status != CONNECTION_OK) {
+        if (status != CONNECTION_OK)
             return status;
-        }
     }
 }
 
@@ -102,13 +98,11 @@ static enum connection_status receive_answer(connection *c, int64_t id, double d
                                              sheard_message *m, sheard_rpc_error *error) {
     for (;;) {
         const enum connection_status status = receive(c, deadline, m, error);
-        if (status != CONNECTION_OK) {
+        if (status != CONNECTION_OK)
             return status;
-        }
         if (m->kind == SHEARD_MESSAGE_NOTICE) {
-            if (c->listener != NULL && m->notice >= 0) {
+            if (c->listener != NULL && m->notice >= 0)
                 c->listener(c->context, m);
-            }
         } else if ((m->id.type == SHEARD_ID_INTEGER && m->id.integer == id) ||
                    (m->kind == SHEARD_MESSAGE_ERROR && m->id.type == SHEARD_ID_NULL)) {
             return CONNECTION_OK;
@@ -128,13 +122,11 @@ static enum connection_status read_answer(const sheard_message *m, int method, s
         *error = m->error;
         return CONNECTION_REFUSED;
     }
-    if (reply != NULL && sheard_message_reply(m, method, reply, error) != 0) {
+    if (reply != NULL && sheard_message_reply(m, method, reply, error) != 0)
         return bad_message(error);
-    }
     if (text != NULL && sheard_message_text(m, text, error) != 0) {
-        if (reply != NULL) {
+        if (reply != NULL)
             sheard_reply_deinit(reply, method);
-        }
         return bad_message(error);
     }
     return CONNECTION_OK;
@@ -160,13 +152,11 @@ enum connection_status connection_call(connection *c, int method, const sheard_p
     const double deadline = clock_s(CLOCK_MONOTONIC) + timeout_s;
     sheard_message m = {.notice = -1};
     enum connection_status status = send_request(c, method, params, deadline, error);
-    if (status != CONNECTION_OK) {
+    if (status != CONNECTION_OK)
         return status;
-    }
     status = receive_answer(c, c->last_id, deadline, &m, error);
-    if (status != CONNECTION_OK) {
+    if (status != CONNECTION_OK)
         return status;
-    }
     status = read_answer(&m, method, reply, text, error);
     sheard_message_deinit(&m);
     return status;
@@ -188,9 +178,8 @@ static enum connection_status greet(connection *c, const char *path, double time
                                "what listens at %s is not a service that this client knows: %s",
                                path, why);
     }
-    if (status == CONNECTION_REFUSED && error->code == SHEARD_RPC_UNSUPPORTED_VERSION) {
+    if (status == CONNECTION_REFUSED && error->code == SHEARD_RPC_UNSUPPORTED_VERSION)
         return CONNECTION_MISMATCH;
-    }
     const int64_t version = c->welcome.hello.protocol;
     if (status == CONNECTION_OK &&
         (version < SHEARD_PROTOCOL_OLDEST || version > SHEARD_PROTOCOL_VERSION)) {
@@ -207,14 +196,12 @@ enum connection_status connection_open(connection **out, const char *path, doubl
     const double deadline = clock_s(CLOCK_MONOTONIC) + timeout_s;
     *out = NULL;
     connection *c = calloc(1, sizeof *c);
-    if (c == NULL) {
+    if (c == NULL)
         return connection_fail(error, CONNECTION_FAILED, NULL, "out of memory");
-    }
     sheard_frame_init(&c->frame, sheard_rpc_reply_limits.line);
     enum connection_status status = socket_io_connect(path, deadline, &c->fd, error);
-    if (status == CONNECTION_OK) {
+    if (status == CONNECTION_OK)
         status = greet(c, path, deadline - clock_s(CLOCK_MONOTONIC), error);
-    }
     if (status != CONNECTION_OK) {
         connection_close(c);
         return status;

@@ -88,16 +88,13 @@ static void add_ended(follow_state *f, const sheard_msg_waited *waited) {
 /* What a wait request was answered. Returns whether to ask again: neither are the jobs finished nor
  * is the time over. */
 static bool note_answer(follow_state *f, const sheard_msg_waited *waited, const char *text) {
-    for (size_t i = 0; i < waited->n_jobs; i++) {
+    for (size_t i = 0; i < waited->n_jobs; i++)
         follow_note_job(f->entries, f->n, &waited->jobs[i]);
-    }
     show(f);
-    if (waited->timed_out && clock_s(CLOCK_MONOTONIC) < f->deadline) {
+    if (waited->timed_out && clock_s(CLOCK_MONOTONIC) < f->deadline)
         return true;
-    }
-    if (f->options->answers && f->service->json) {
+    if (f->options->answers && f->service->json)
         puts(text);
-    }
     add_ended(f, waited);
     return false;
 }
@@ -132,9 +129,8 @@ static enum exit_code wait_all(follow_state *f, const int64_t *ids) {
         bool again = true;
         while (again) {
             const enum exit_code code = wait_once(f, ids + first, chunk_at(f, first), &again);
-            if (code != EXIT_CODE_DONE) {
+            if (code != EXIT_CODE_DONE)
                 return code;
-            }
         }
     }
     return follow_exit_code(&f->counts);
@@ -142,9 +138,8 @@ static enum exit_code wait_all(follow_state *f, const int64_t *ids) {
 
 static enum exit_code wait_with_progress(follow_state *f, const int64_t *ids) {
     f->progress = f->options->quiet ? progress_begin_quiet() : progress_begin("jobs");
-    if (progress_visible(f->progress)) {
+    if (progress_visible(f->progress))
         subscribe(f, ids);
-    }
     const enum exit_code code = wait_all(f, ids);
     connection_listen(f->service->connection, NULL, NULL);
     progress_end(f->progress);
@@ -155,12 +150,10 @@ enum exit_code follow_jobs(service *s, const int64_t *ids, size_t n,
                            const follow_options *options) {
     const double now = clock_s(CLOCK_MONOTONIC);
     CLEANUP(release_free) follow_entry *entries = calloc(n, sizeof *entries);
-    if (entries == NULL) {
+    if (entries == NULL)
         return message_no_memory();
-    }
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         entries[i] = (follow_entry){.id = ids[i], .progress = {.total = -1, .rate = NAN}};
-    }
     follow_state f = {
         .service = s,
         .options = options,
@@ -170,9 +163,8 @@ enum exit_code follow_jobs(service *s, const int64_t *ids, size_t n,
         .ended = job_results_new(),
     };
     enum exit_code code = wait_with_progress(&f, ids);
-    if (text_table_rows(f.ended) > 0 && text_table_print(f.ended, stdout) != EXIT_CODE_DONE) {
+    if (text_table_rows(f.ended) > 0 && text_table_print(f.ended, stdout) != EXIT_CODE_DONE)
         code = EXIT_CODE_OTHER;
-    }
     text_table_free(f.ended);
     return code;
 }

@@ -16,21 +16,18 @@ follow_totals follow_sum(const follow_entry *entries, size_t n) {
             n_known++;
             sum.done += final ? e->progress.total : e->progress.done;
         }
-        if (e->state == SHEARD_JOB_RUNNING && isfinite(e->progress.rate)) {
+        if (e->state == SHEARD_JOB_RUNNING && isfinite(e->progress.rate))
             sum.rate += e->progress.rate;
-        }
     }
-    if (n_known > 0) {
+    if (n_known > 0)
         sum.total = (int64_t)(known / (double)n_known * (double)n + 0.5);
-    }
     return sum;
 }
 
 static follow_entry *find(follow_entry *entries, size_t n, int64_t id) {
     for (size_t i = 0; i < n; i++) {
-        if (entries[i].id == id) {
+        if (entries[i].id == id)
             return &entries[i];
-        }
     }
     return NULL;
 }
@@ -60,14 +57,11 @@ void follow_counts_add(follow_counts *counts, enum sheard_job_state state) {
 }
 
 enum exit_code follow_exit_code(const follow_counts *t) {
-    if (t->unfinished > 0) {
+    if (t->unfinished > 0)
         return EXIT_CODE_TIMED_OUT;
-    }
-    if (t->failed + t->cancelled == 0) {
+    if (t->failed + t->cancelled == 0)
         return EXIT_CODE_DONE;
-    }
-    if (t->done > 0) {
+    if (t->done > 0)
         return EXIT_CODE_PARTLY;
-    }
     return t->failed > 0 ? EXIT_CODE_JOB_FAILED : EXIT_CODE_CANCELLED;
 }

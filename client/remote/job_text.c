@@ -40,12 +40,10 @@ static bool is_dropped(const sheard_msg_job *job) {
 static const char *where_now(const sheard_msg_job *job, char *buf, size_t size) {
     const char *name = job->file_now != NULL ? strrchr(job->file_now, '/') : NULL;
     const char *folder = name;
-    while (folder != NULL && folder > job->file_now && folder[-1] != '/') {
+    while (folder != NULL && folder > job->file_now && folder[-1] != '/')
         folder--;
-    }
-    if (name == NULL) {
+    if (name == NULL)
         return "gone";
-    }
     const bool active = strncmp(folder, "active/", strlen("active/")) == 0;
     snprintf(buf, size, "%.*s", (int)(active ? name - folder : (ptrdiff_t)strlen(folder)), folder);
     return buf;
@@ -170,18 +168,16 @@ void job_results_add(text_table *t, const sheard_msg_job *job) {
     text_table_cell(t, NULL, "%" PRId64, s.n_used);
     text_table_cell(t, NULL, "%" PRId64, s.n_stamps);
     text_table_cell(t, NULL, "%s", job_source_text(job, text, sizeof text));
-    if (has) {
+    if (has)
         sheard_report_summary_deinit(&s);
-    }
 }
 
 /* ---- One job ---- */
 
 /* A line, unless there is nothing to say. */
 static void print_text(FILE *out, const char *name, const char *text) {
-    if (text != NULL && text[0] != '\0') {
+    if (text != NULL && text[0] != '\0')
         text_line(out, name, "%s", text);
-    }
 }
 
 static void print_source(const sheard_msg_job *job, FILE *out) {
@@ -214,9 +210,8 @@ static void print_failure(const sheard_msg_job *job, bool utc, FILE *out) {
                   *class != '\0' ? ")" : "", or_dash(job->message));
         print_text(out, "advice", job->advice);
     }
-    if (job->not_before_ms != 0 && job->state == SHEARD_JOB_WAITING) {
+    if (job->not_before_ms != 0 && job->state == SHEARD_JOB_WAITING)
         text_line(out, "retry", "not before %s", human_time(job->not_before_ms, utc, time));
-    }
 }
 
 static void print_times(const sheard_msg_job *job, bool utc, FILE *out) {
@@ -224,9 +219,8 @@ static void print_times(const sheard_msg_job *job, bool utc, FILE *out) {
     char duration[HUMAN_SIZE];
     text_line(out, "submitted", "%s by %s (%s)", human_time(job->created_ms, utc, time),
               or_dash(job->user), sheard_job_origin_name(job->origin));
-    if (job->started_ms != 0) {
+    if (job->started_ms != 0)
         text_line(out, "started", "%s", human_time(job->started_ms, utc, time));
-    }
     if (job->finished_ms != 0) {
         text_line(out, "finished", "%s (took %s)", human_time(job->finished_ms, utc, time),
                   human_duration(took(job, job->finished_ms), duration));
@@ -259,16 +253,14 @@ static void print_settings(const char *settings, FILE *out) {
     const shear_setting_def *table = shear_settings_table(&n);
     shear_settings_init(&theirs);
     shear_settings_init(&defaults);
-    if (settings == NULL || sheard_settings_apply(&theirs, settings, NULL) != SHEAR_OK) {
+    if (settings == NULL || sheard_settings_apply(&theirs, settings, NULL) != SHEAR_OK)
         return;
-    }
     for (size_t i = 0; i < n; i++) {
         char a[64];
         char b[64];
         shear_settings_format(&theirs, &table[i], a, sizeof a);
-        if (strcmp(a, shear_settings_format(&defaults, &table[i], b, sizeof b)) != 0) {
+        if (strcmp(a, shear_settings_format(&defaults, &table[i], b, sizeof b)) != 0)
             text_append(text, sizeof text, "%s%s=%s", text[0] != '\0' ? " " : "", table[i].name, a);
-        }
     }
     text_line(out, "settings", "%s", text[0] != '\0' ? text : "all at their defaults");
 }
@@ -317,9 +309,8 @@ void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out) {
     print_progress(job, out);
     print_outcome(job, out);
     print_times(job, utc, out);
-    if (job->priority != 0) {
+    if (job->priority != 0)
         text_line(out, "priority", "%" PRId64, job->priority);
-    }
     print_text(out, "key", job->key);
     print_settings(job->settings, out);
     print_text(out, "checksum", job->checksum);

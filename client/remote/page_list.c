@@ -14,9 +14,8 @@ static enum exit_code list_page(page_list *l, size_t *n, char **cursor) {
     *l->page_limit = l->limit < l->page_max ? l->limit : l->page_max;
     *l->cursor = *cursor != NULL ? *cursor : *l->cursor;
     const enum exit_code code = service_answer(&l->service, l->method, &l->params, &reply);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     *n = l->show(l, &reply, &next);
     free(*cursor);
     *cursor = next != NULL ? strdup(next) : NULL;
@@ -30,13 +29,11 @@ enum exit_code page_list_print(page_list *l) {
     size_t n = 0; /* an empty page ends the list: no progress would be made */
     do {
         const enum exit_code code = list_page(l, &n, &cursor);
-        if (code != EXIT_CODE_DONE) {
+        if (code != EXIT_CODE_DONE)
             return code;
-        }
     } while (cursor != NULL && n > 0 && l->limit > 0);
-    if (l->service.json) {
+    if (l->service.json)
         return EXIT_CODE_DONE;
-    }
     const enum exit_code code = l->brief ? EXIT_CODE_DONE : text_table_print(l->table, stdout);
     fflush(stdout);
     if (code == EXIT_CODE_DONE && cursor != NULL) {

@@ -32,9 +32,8 @@ static void print_method(const sheard_report_summary *s, FILE *out) {
         .artefacts_kept = strcmp(s->artefacts, "keep") == 0,
         .artefacts = method_text_artefacts(s->flagged),
     };
-    if (s->interpolation[0] != '\0') {
+    if (s->interpolation[0] != '\0')
         method_text_print(&m, out);
-    }
 }
 
 static void print_component(const char *name, double g, double error, double truth, double pull,
@@ -64,9 +63,8 @@ static void print_quality(const sheard_report_summary *s, FILE *out) {
                              .n_used = s->n_used,
                              .top_stamp = s->top_stamp,
                              .top_file = s->top_file[0] && s->n_files != 1 ? s->top_file : NULL};
-    if (isfinite(s->g1)) {
+    if (isfinite(s->g1))
         quality_text_print(&q, out);
-    }
 }
 
 static void print_summary(const sheard_report_summary *s, const char *reason, FILE *out) {
@@ -85,25 +83,22 @@ static void print_summary(const sheard_report_summary *s, const char *reason, FI
         text_line(out, "cov12", "%.3g (correlation %+.2f)", s->cov12,
                   s->cov12 / (s->g1_err * s->g2_err));
     }
-    if (isfinite(s->g1) && s->estimator[0] != '\0') {
+    if (isfinite(s->g1) && s->estimator[0] != '\0')
         text_line(out, "estimator", "%s", s->estimator);
-    }
     if (s->jackknife > 0) {
         text_line(out, "errors", "jackknife over %" PRId64 " groups of blocks", s->jackknife);
     } else if (isfinite(s->g1)) {
         text_line(out, "errors", "%s", value_text_error_method(s->error_method));
     }
-    for (int64_t i = 0; i < s->n_warnings; i++) {
+    for (int64_t i = 0; i < s->n_warnings; i++)
         text_line(out, "warning", "%s", s->warnings[i]);
-    }
 }
 
 void report_text_print(const char *report, const char *reason, FILE *out) {
     sheard_report_summary summary;
     shear_error err = {0};
-    if (report == NULL) {
+    if (report == NULL)
         return;
-    }
     if (sheard_report_summary_parse(&summary, report, &err) != 0) {
         text_line(out, "result", "cannot be shown: %s", err.message);
         return;

@@ -117,9 +117,8 @@ enum exit_code service_call(service *s, int method, const sheard_params *params,
 
 enum exit_code service_answer(service *s, int method, const sheard_params *params,
                               sheard_reply *reply) {
-    if (!s->json) {
+    if (!s->json)
         return service_call(s, method, params, reply);
-    }
     sheard_rpc_error error = {0};
     char *text = NULL;
     const enum connection_status status =
@@ -135,9 +134,8 @@ enum exit_code service_answer(service *s, int method, const sheard_params *param
 void service_outcomes_add(service_outcomes *o, enum exit_code code) {
     o->n++;
     o->last = code;
-    if (code != EXIT_CODE_DONE && o->n_failed++ == 0) {
+    if (code != EXIT_CODE_DONE && o->n_failed++ == 0)
         o->first = code;
-    }
 }
 
 bool service_outcomes_go_on(const service_outcomes *o) {
@@ -145,12 +143,10 @@ bool service_outcomes_go_on(const service_outcomes *o) {
 }
 
 enum exit_code service_outcomes_code(const service_outcomes *o) {
-    if (o->n_failed == 0) {
+    if (o->n_failed == 0)
         return EXIT_CODE_DONE;
-    }
-    if (!service_outcomes_go_on(o)) {
+    if (!service_outcomes_go_on(o))
         return EXIT_CODE_UNREACHABLE;
-    }
     return o->n_failed < o->n ? EXIT_CODE_PARTLY : o->first;
 }
 

@@ -11,9 +11,8 @@ static enum exit_code ask(service *s, int method, const sheard_params *params,
                           service_printer *print) {
     sheard_reply reply = {0};
     const enum exit_code code = service_answer(s, method, params, &reply);
-    if (code == EXIT_CODE_DONE && !s->json) {
+    if (code == EXIT_CODE_DONE && !s->json)
         print(&reply, s);
-    }
     sheard_reply_deinit(&reply, method);
     return code;
 }
@@ -38,13 +37,11 @@ enum exit_code service_query_jobs(const command *self, int argc, char **argv, co
     CLEANUP(service_close) service s = {0};
     const option_entry options[] = {SERVICE_OPTIONS(&s), {0}};
     const enum exit_code code = service_start(self, argc, argv, options, &s, what, 1, INT_MAX);
-    if (code != EXIT_CODE_DONE) {
+    if (code != EXIT_CODE_DONE)
         return code;
-    }
     service_outcomes outcomes = {0};
-    for (int i = optind; i < argc && service_outcomes_go_on(&outcomes); i++) {
+    for (int i = optind; i < argc && service_outcomes_go_on(&outcomes); i++)
         service_outcomes_add(&outcomes, ask_job(&s, argv[i], method, print));
-    }
     return service_outcomes_code(&outcomes);
 }
 

@@ -32,9 +32,8 @@ static enum connection_status interrupted(sheard_rpc_error *error) {
 static enum connection_status wait_for(int fd, short events, double deadline,
                                        sheard_rpc_error *error) {
     for (;;) {
-        if (progress_interrupted()) {
+        if (progress_interrupted())
             return interrupted(error);
-        }
         const double left_ms = ceil(1000.0 * (deadline - clock_s(CLOCK_MONOTONIC)));
         if (left_ms <= 0.0) {
             return connection_fail(error, CONNECTION_SILENT,
@@ -44,9 +43,8 @@ static enum connection_status wait_for(int fd, short events, double deadline,
         }
         struct pollfd p = {.fd = fd, .events = events};
         const int n = poll(&p, 1, left_ms < SLICE_MS ? (int)left_ms : SLICE_MS);
-        if (n > 0) {
+        if (n > 0)
             return CONNECTION_OK;
-        }
         if (n < 0 && errno != EINTR) {
             return connection_fail(error, CONNECTION_FAILED, NULL, "cannot wait: %s",
                                    strerror(errno));
@@ -60,9 +58,8 @@ static void name_group(const char *path, char *buf, size_t size) {
     buf[0] = '\0';
     if (stat(path, &st) == 0) {
         const struct group *g = getgrgid(st.st_gid);
-        if (g != NULL) {
+        if (g != NULL)
             snprintf(buf, size, " (%s)", g->gr_name);
-        }
     }
 }
 
@@ -96,12 +93,10 @@ static enum connection_status say_why(const char *path, int why, sheard_rpc_erro
 static enum connection_status connect_to(int s, const struct sockaddr_un *address, double deadline,
                                          sheard_rpc_error *error) {
     while (connect(s, (const struct sockaddr *)address, sizeof *address) != 0) {
-        if (errno != EAGAIN && errno != EINTR) {
+        if (errno != EAGAIN && errno != EINTR)
             return say_why(address->sun_path, errno, error);
-        }
-        if (progress_interrupted()) {
+        if (progress_interrupted())
             return interrupted(error);
-        }
         if (clock_s(CLOCK_MONOTONIC) >= deadline) {
             return connection_fail(error, CONNECTION_SILENT,
                                    "the service is stuck or very busy: systemctl status sheard",
@@ -148,9 +143,8 @@ enum connection_status socket_io_send(int fd, const char *bytes, size_t n, doubl
             return CONNECTION_OK;
         } else if (errno == EAGAIN) {
             const enum connection_status status = wait_for(fd, POLLOUT, deadline, error);
-            if (status != CONNECTION_OK) {
+            if (status != CONNECTION_OK)
                 return status;
-            }
         } else if (errno != EINTR) {
             return connection_fail(error, CONNECTION_UNREACHABLE, NULL,
                                    "cannot write to the service: %s", strerror(errno));
@@ -179,8 +173,7 @@ enum connection_status socket_io_receive(int fd, char *buf, size_t size, size_t 
                                    "cannot read from the service: %s", strerror(errno));
         }
         const enum connection_status status = wait_for(fd, POLLIN, deadline, error);
-        if (status != CONNECTION_OK) {
+        if (status != CONNECTION_OK)
             return status;
-        }
     }
 }

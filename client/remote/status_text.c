@@ -32,14 +32,12 @@ static void print_states(const sheard_msg_status *s, bool colours, FILE *out) {
 char *status_text_problem(const sheard_msg_status *s, size_t i, char *buf, size_t size) {
     char duration[HUMAN_SIZE];
     text_set(buf, size, s->problems[i]);
-    if (s->n_problem_details != s->n_problems || s->problem_details[i].next_attempt_ms == 0) {
+    if (s->n_problem_details != s->n_problems || s->problem_details[i].next_attempt_ms == 0)
         return buf;
-    }
     const sheard_msg_problem *p = &s->problem_details[i];
     const int64_t left_ms = p->next_attempt_ms - clock_ms(CLOCK_REALTIME);
-    if (p->attempts > 0) {
+    if (p->attempts > 0)
         text_append(buf, size, "; %" PRId64 " attempts so far", p->attempts);
-    }
     text_append(buf, size, "; next attempt %s%s", left_ms > 0 ? "in " : "now",
                 left_ms > 0 ? human_duration(1e-3 * (double)left_ms, duration) : "");
     return buf;
@@ -76,9 +74,8 @@ static void print_left_lying(const sheard_msg_spool *s, FILE *out) {
         text_line(out, i == 0 ? "left lying" : "", "%s: %s", s->left_lying[i].name,
                   s->left_lying[i].reason);
     }
-    if (s->ignored > (int64_t)s->n_left_lying) {
+    if (s->ignored > (int64_t)s->n_left_lying)
         text_line(out, "", "and %" PRId64 " more", s->ignored - (int64_t)s->n_left_lying);
-    }
 }
 
 static void print_disks(const sheard_msg_status *s, FILE *out) {
@@ -134,9 +131,8 @@ void status_text_rest(const sheard_msg_status *s, bool utc, FILE *out) {
               s->store.path != NULL ? s->store.path : "-", human_bytes(s->store.bytes, bytes),
               human_bytes(s->store.free_bytes, left), s->store.schema, s->store.commits);
     print_disks(s, out);
-    if (s->log.lost > 0) {
+    if (s->log.lost > 0)
         text_line(out, "log", "%" PRId64 " lines were lost: nobody read them", s->log.lost);
-    }
     for (size_t i = 0; i < s->n_roots; i++) {
         text_line(out, i == 0 ? "data roots" : "", "%s%s", s->roots[i].path,
                   s->roots[i].missing ? " (missing)" : "");

@@ -47,17 +47,15 @@ static enum exit_code read_job_from(submission *s, FILE *in, const char *shown) 
     const size_t size = SHEARD_MSG_JOB_FILE_MAX + 1;
     size_t n = 0;
     CLEANUP(release_free) char *text = malloc(size);
-    if (text == NULL) {
+    if (text == NULL)
         return message_no_memory();
-    }
     const enum exit_code code = read_all(in, shown, text, size, &n);
     return code != EXIT_CODE_DONE ? code : parse_job(s, shown, text, n);
 }
 
 static enum exit_code read_job_file(submission *s, const char *name) {
-    if (strcmp(name, "-") == 0) {
+    if (strcmp(name, "-") == 0)
         return read_job_from(s, stdin, "standard input");
-    }
     CLEANUP(release_file) FILE *in = fopen(name, "re");
     if (in == NULL) {
         message_fail(NULL, "cannot open %s: %s", name, strerror(errno));
@@ -73,9 +71,8 @@ static enum exit_code set_images(submission *s, const submission_options *o) {
     sheard_msg_source *source = &s->params.submit.source;
     sheard_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
                                         &source->catalog};
-    if (part_input_init(&s->parts, &o->parts, true, &err) != 0) {
+    if (part_input_init(&s->parts, &o->parts, true, &err) != 0)
         return input_error(&err);
-    }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         const shear_input_part *part = &s->parts.input.parts[i];
         *images[i] = (sheard_msg_image){part->path, part->hdu, part->extname};
@@ -85,9 +82,8 @@ static enum exit_code set_images(submission *s, const submission_options *o) {
 
 static enum exit_code set_file(submission *s, const char *name) {
     shear_error err = {0};
-    if (input_path_absolute(name, &s->path, &err) != 0) {
+    if (input_path_absolute(name, &s->path, &err) != 0)
         return input_error(&err);
-    }
     s->params.submit.source.path = s->path;
     return EXIT_CODE_DONE;
 }
@@ -96,9 +92,8 @@ static enum exit_code set_file(submission *s, const char *name) {
 static const char *find_line(const char *text, const char *name) {
     const size_t n = strlen(name);
     while (text != NULL && *text != '\0') {
-        if (strncmp(text, name, n) == 0 && text[n] == '=') {
+        if (strncmp(text, name, n) == 0 && text[n] == '=')
             return text;
-        }
         const char *end = strchr(text, '\n');
         text = end != NULL ? end + 1 : NULL;
     }
@@ -138,12 +133,10 @@ static bool is_job_file(const char *name) {
 }
 
 static enum exit_code set_source(submission *s, const char *name, const submission_options *o) {
-    if (name == NULL) {
+    if (name == NULL)
         return set_images(s, o);
-    }
-    if (!is_job_file(name)) {
+    if (!is_job_file(name))
         return set_file(s, name);
-    }
     const enum exit_code code = read_job_file(s, name);
     s->params.submit = s->parsed; /* which owns the texts */
     return code;
@@ -153,9 +146,8 @@ enum exit_code submission_init(submission *s, const char *name, const submission
     *s = (submission){0};
     sheard_params_init(&s->params, SHEARD_METHOD_SUBMIT);
     const enum exit_code code = set_source(s, name, o);
-    if (code == EXIT_CODE_DONE) {
+    if (code == EXIT_CODE_DONE)
         set_options(s, o);
-    }
     return code;
 }
 

@@ -39,9 +39,8 @@ static enum connection_status ask_jobs(watch_view *v, service *s, unsigned state
 
 static bool is_known(const watch_view *v, const char *field) {
     for (size_t i = WATCH_FIELDS; i < v->n; i++) {
-        if (strcmp(v->parts[i].field, field) == 0) {
+        if (strcmp(v->parts[i].field, field) == 0)
             return true;
-        }
     }
     return false;
 }
@@ -54,9 +53,8 @@ static enum connection_status ask_fields(watch_view *v, service *s, const watch_
     const sheard_msg_job_page *page = &jobs->reply.jobs;
     for (size_t i = 0; status == CONNECTION_OK && i < page->n_jobs; i++) {
         const char *name = page->jobs[i].field;
-        if (name == NULL || name[0] == '\0' || v->n == WATCH_PARTS || is_known(v, name)) {
+        if (name == NULL || name[0] == '\0' || v->n == WATCH_PARTS || is_known(v, name))
             continue;
-        }
         sheard_params p;
         sheard_params_init(&p, SHEARD_METHOD_FIELDS);
         p.fields.prefix = name;
@@ -73,15 +71,12 @@ enum connection_status watch_view_init(watch_view *v, service *s, int64_t n_jobs
                               1U << SHEARD_JOB_CANCELLED | 1U << SHEARD_JOB_RETRACTED;
     *v = (watch_view){.n = 0};
     enum connection_status status = ask(v, s, SHEARD_METHOD_STATUS, NULL, NULL, error);
-    if (status == CONNECTION_OK) {
+    if (status == CONNECTION_OK)
         status = ask_jobs(v, s, active, n_jobs, error);
-    }
-    if (status == CONNECTION_OK) {
+    if (status == CONNECTION_OK)
         status = ask_jobs(v, s, finished, n_jobs, error);
-    }
-    for (size_t i = WATCH_ACTIVE; status == CONNECTION_OK && i <= WATCH_FINISHED; i++) {
+    for (size_t i = WATCH_ACTIVE; status == CONNECTION_OK && i <= WATCH_FINISHED; i++)
         status = ask_fields(v, s, &v->parts[i], error);
-    }
     return status;
 }
 
@@ -120,9 +115,8 @@ static enum exit_code print_active(const sheard_msg_job_page *page, FILE *out, b
 static enum exit_code print_finished(const sheard_msg_job_page *page, FILE *out, bool colours,
                                      int columns) {
     text_table *t = job_table_new();
-    for (size_t i = 0; i < page->n_jobs; i++) {
+    for (size_t i = 0; i < page->n_jobs; i++)
         job_table_add(t, &page->jobs[i], clock_ms(CLOCK_REALTIME));
-    }
     const enum exit_code code = text_table_render(t, out, 2, colours, columns);
     text_table_free(t);
     return code;
@@ -133,9 +127,8 @@ static enum exit_code print_fields(const watch_view *v, FILE *out, bool colours,
     for (size_t i = WATCH_FIELDS; i < v->n; i++) {
         const sheard_msg_field_page *page = &v->parts[i].reply.fields;
         for (size_t k = 0; k < page->n_fields; k++) {
-            if (strcmp(page->fields[k].field, page->fields[0].field) == 0) {
+            if (strcmp(page->fields[k].field, page->fields[0].field) == 0)
                 field_table_add(t, &page->fields[k], clock_ms(CLOCK_REALTIME));
-            }
         }
     }
     /* Fields of which nothing has been counted yet have no line. */
@@ -168,9 +161,8 @@ void watch_view_json(const watch_view *v, FILE *out) {
     fprintf(out, "{\"status\": %s, \"active\": %s, \"finished\": %s, \"fields\": [",
             v->parts[WATCH_STATUS].text, v->parts[WATCH_ACTIVE].text,
             v->parts[WATCH_FINISHED].text);
-    for (size_t i = WATCH_FIELDS; i < v->n; i++) {
+    for (size_t i = WATCH_FIELDS; i < v->n; i++)
         fprintf(out, "%s%s", i > WATCH_FIELDS ? ", " : "", v->parts[i].text);
-    }
     fputs("]}\n", out);
     fflush(out);
 }

@@ -9,9 +9,8 @@
 static const double longest_s = 359999.0; /* 99:59:59 */
 
 double bar_part(double done, double total) {
-    if (total < 0.0) {
+    if (total < 0.0)
         return 0.0;
-    }
     return total > done && done >= 0.0 ? done / total : 1.0;
 }
 
@@ -32,9 +31,8 @@ char *bar_text(double part, int width, char *buf, size_t size) {
 char *bar_figures(double part, double rate, double left_s, char *buf, size_t size) {
     const int64_t s = left_s >= 0.0 && left_s < longest_s ? (int64_t)left_s : (int64_t)longest_s;
     int used = snprintf(buf, size, " %3d%%", (int)(100.0 * part));
-    if (!(rate > 0.0) || used < 0 || (size_t)used >= size) {
+    if (!(rate > 0.0) || used < 0 || (size_t)used >= size)
         return buf;
-    }
     buf += used;
     size -= (size_t)used;
     if (s < 3600) {

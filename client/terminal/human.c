@@ -26,9 +26,8 @@ char *human_time(int64_t ms, bool utc, char buf[HUMAN_SIZE]) {
 }
 
 char *human_duration(double seconds, char buf[HUMAN_SIZE]) {
-    if (!isfinite(seconds) || seconds < 0.0) {
+    if (!isfinite(seconds) || seconds < 0.0)
         return nothing(buf);
-    }
     const int64_t s = seconds < 1e15 ? llround(seconds) : INT64_C(1000000000000000);
     if (seconds < 9.95) { /* 9.95 would be 10.0, which is written without decimals */
         snprintf(buf, HUMAN_SIZE, seconds < 0.995 ? "%.2f s" : "%.1f s", seconds);
@@ -45,9 +44,8 @@ char *human_duration(double seconds, char buf[HUMAN_SIZE]) {
 }
 
 char *human_age(int64_t since_ms, int64_t now_ms, char buf[HUMAN_SIZE]) {
-    if (since_ms <= 0) {
+    if (since_ms <= 0)
         return nothing(buf);
-    }
     const int64_t age = now_ms - since_ms;
     if (age < 1000) { /* or a clock that is a little behind the service's */
         snprintf(buf, HUMAN_SIZE, "just now");
@@ -73,9 +71,8 @@ char *human_bytes(int64_t bytes, char buf[HUMAN_SIZE]) {
 }
 
 char *human_rate(double per_second, char buf[HUMAN_SIZE]) {
-    if (!isfinite(per_second)) {
+    if (!isfinite(per_second))
         return nothing(buf);
-    }
     snprintf(buf, HUMAN_SIZE, per_second < 9.995 ? "%.2f/s" : "%.0f/s", per_second);
     return buf;
 }

@@ -13,9 +13,8 @@ static void only_ascii(char *text) {
     for (const char *c = text; *c != '\0';) {
         const size_t n = shear_text_shown(c);
         *out++ = '?';
-        if (n == 1) {
+        if (n == 1)
             out[-1] = *c;
-        }
         c += n > 0 ? n : 1;
     }
     *out = '\0';
@@ -23,9 +22,8 @@ static void only_ascii(char *text) {
 
 char *message_clean(const char *text, char *buf, size_t size) {
     shear_text_clean(text, buf, size);
-    if (MB_CUR_MAX == 1) {
+    if (MB_CUR_MAX == 1)
         only_ascii(buf);
-    }
     return buf;
 }
 
@@ -36,9 +34,8 @@ static void say(const char *kind, const char *text) {
 
 void message_error(const shear_error *err) {
     say("error", err->message);
-    if (err->advice[0] != '\0') {
+    if (err->advice[0] != '\0')
         say("advice", err->advice);
-    }
 }
 
 enum exit_code message_no_memory(void) {
@@ -59,9 +56,8 @@ void message_fail(const char *hint, const char *format, ...) {
     va_start(args, format);
     say_formatted("error", format, args);
     va_end(args);
-    if (hint != NULL) {
+    if (hint != NULL)
         say("advice", hint);
-    }
 }
 
 void message_warning(const char *format, ...) {

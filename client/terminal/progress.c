@@ -48,12 +48,10 @@ static void catch_signals(progress *p) {
     sigaction(SIGINT, NULL, &p->old_int);
     sigaction(SIGTERM, NULL, &p->old_term);
     /* Who starts us with a signal ignored (nohup, a shell's background job) wants it ignored. */
-    if (p->old_int.sa_handler != SIG_IGN) {
+    if (p->old_int.sa_handler != SIG_IGN)
         sigaction(SIGINT, &action, NULL);
-    }
-    if (p->old_term.sa_handler != SIG_IGN) {
+    if (p->old_term.sa_handler != SIG_IGN)
         sigaction(SIGTERM, &action, NULL);
-    }
 }
 
 progress *progress_begin_quiet(void) {
@@ -76,9 +74,8 @@ progress *progress_begin(const char *label) {
 
 static int terminal_width(void) {
     struct winsize size;
-    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
         return DEFAULT_WIDTH;
-    }
     return size.ws_col < MAX_WIDTH ? size.ws_col : MAX_WIDTH;
 }
 
@@ -116,9 +113,8 @@ static void draw(progress *p, int64_t done, int64_t total, double rate, double n
 int progress_callback(void *context, int64_t done, int64_t total) {
     progress *p = context;
     const double now = clock_s(CLOCK_MONOTONIC);
-    if (is_due(p, now)) {
+    if (is_due(p, now))
         draw(p, done, total, now > p->begun ? (double)done / (now - p->begun) : 0.0, now);
-    }
     return interrupted != 0;
 }
 
@@ -135,9 +131,8 @@ bool progress_visible(const progress *p) {
 }
 
 void progress_end(progress *p) {
-    if (p == NULL) {
+    if (p == NULL)
         return;
-    }
     if (p->drawn) {
         fputs("\r\x1b[K", stderr);
         fflush(stderr);

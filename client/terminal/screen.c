@@ -37,9 +37,8 @@ bool screen_possible(void) {
 void screen_begin(void) {
     struct sigaction action = {.sa_handler = on_signal};
     sigemptyset(&action.sa_mask);
-    for (int i = 0; i < N_SIGNALS; i++) {
+    for (int i = 0; i < N_SIGNALS; i++)
         sigaction(signals[i], &action, &old_actions[i]);
-    }
     tcgetattr(STDIN_FILENO, &old_terminal);
     struct termios raw = old_terminal;
     raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
@@ -52,9 +51,8 @@ void screen_end(void) {
     fputs("\x1b[?25h\x1b[?1049l", stdout);
     fflush(stdout);
     tcsetattr(STDIN_FILENO, TCSADRAIN, &old_terminal);
-    for (int i = 0; i < N_SIGNALS; i++) {
+    for (int i = 0; i < N_SIGNALS; i++)
         sigaction(signals[i], &old_actions[i], NULL);
-    }
 }
 
 void screen_draw(const char *text) {
@@ -89,12 +87,10 @@ static bool wait_for(int fd, double seconds) {
     const double end = clock_s(CLOCK_MONOTONIC) + seconds;
     while (ended == 0 && resized == 0) {
         const double left_ms = 1000.0 * (end - clock_s(CLOCK_MONOTONIC));
-        if (left_ms <= 0.0) {
+        if (left_ms <= 0.0)
             break;
-        }
-        if (poll(&p, 1, left_ms < SLICE_MS ? (int)left_ms + 1 : SLICE_MS) > 0) {
+        if (poll(&p, 1, left_ms < SLICE_MS ? (int)left_ms + 1 : SLICE_MS) > 0)
             return wants_end();
-        }
     }
     return ended != 0;
 }

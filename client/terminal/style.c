@@ -36,13 +36,11 @@ int style_rows(int fd, int otherwise) {
 
 /* Bytes of the escape sequence that `text` begins with; 0: it does not. */
 static size_t escape_length(const char *text) {
-    if (text[0] != '\x1b' || text[1] != '[') {
+    if (text[0] != '\x1b' || text[1] != '[')
         return 0;
-    }
     size_t n = 2;
-    while (text[n] != '\0' && (text[n] < '@' || text[n] > '~')) {
+    while (text[n] != '\0' && (text[n] < '@' || text[n] > '~'))
         n++;
-    }
     return text[n] != '\0' ? n + 1 : n;
 }
 
@@ -66,9 +64,8 @@ size_t style_fit(const char *text, int columns) {
         const size_t escape = escape_length(text + at);
         int width = 0;
         const size_t n = escape != 0 ? escape : step(text + at, &width);
-        if (width > columns) {
+        if (width > columns)
             break;
-        }
         columns -= width;
         at += n;
     }

@@ -39,12 +39,10 @@ text_table *text_table_new(const text_column *columns, size_t n_columns) {
 }
 
 void text_table_free(text_table *t) {
-    if (t == NULL) {
+    if (t == NULL)
         return;
-    }
-    for (size_t i = 0; i < t->n; i++) {
+    for (size_t i = 0; i < t->n; i++)
         free(t->cells[i].text);
-    }
     free(t->cells);
     free(t);
 }
@@ -52,9 +50,8 @@ void text_table_free(text_table *t) {
 void text_table_cell(text_table *t, const char *style, const char *format, ...) {
     char text[CELL_MAX];
     char clean[CELL_MAX];
-    if (t == NULL || t->failed) {
+    if (t == NULL || t->failed)
         return;
-    }
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -70,25 +67,21 @@ void text_table_cell(text_table *t, const char *style, const char *format, ...) 
 
 static int column_width(const text_table *t, size_t column) {
     int width = style_width(t->columns[column].title);
-    for (size_t i = column; i < t->n; i += t->n_columns) {
+    for (size_t i = column; i < t->n; i += t->n_columns)
         width = t->cells[i].width > width ? t->cells[i].width : width;
-    }
     return width;
 }
 
 /* One cell with its padding; none behind the last column. */
 static void put(FILE *line, const char *text, const char *style, int padding, char align,
                 bool last) {
-    if (align == 'r') {
+    if (align == 'r')
         fprintf(line, "%*s", padding, "");
-    }
     fprintf(line, "%s%s%s", style != NULL ? style : "", text, style != NULL ? STYLE_END : "");
-    if (align != 'r' && !last) {
+    if (align != 'r' && !last)
         fprintf(line, "%*s", padding, "");
-    }
-    if (!last) {
+    if (!last)
         fprintf(line, "%*s", GAP, "");
-    }
 }
 
 /* `cells` NULL: the titles. */
@@ -115,14 +108,12 @@ static bool print_row(const text_table *t, const table_cell *cells, const table_
     CLEANUP(release_free) char *text = NULL;
     size_t size = 0;
     FILE *line = open_memstream(&text, &size);
-    if (line == NULL) {
+    if (line == NULL)
         return false;
-    }
     fprintf(line, "%*s", l->indent, "");
     compose(t, cells, l->widths, l->colours, line);
-    if (fclose(line) != 0 || text == NULL) {
+    if (fclose(line) != 0 || text == NULL)
         return false;
-    }
     size_t n = l->columns > 0 ? style_fit(text, l->columns) : strlen(text);
     while (n > 0 && text[n - 1] == ' ') { /* of empty cells at the end */
         n--;
@@ -133,18 +124,15 @@ static bool print_row(const text_table *t, const table_cell *cells, const table_
 
 enum exit_code text_table_render(const text_table *t, FILE *out, int indent, bool colours,
                                  int columns) {
-    if (t == NULL || t->failed) {
+    if (t == NULL || t->failed)
         return message_no_memory();
-    }
     table_layout l = {.indent = indent, .columns = columns, .colours = colours};
     assert(t->n_columns <= MAX_COLUMNS && t->n % t->n_columns == 0);
-    for (size_t i = 0; i < t->n_columns; i++) {
+    for (size_t i = 0; i < t->n_columns; i++)
         l.widths[i] = column_width(t, i);
-    }
     bool good = print_row(t, NULL, &l, out);
-    for (size_t i = 0; good && i < t->n; i += t->n_columns) {
+    for (size_t i = 0; good && i < t->n; i += t->n_columns)
         good = print_row(t, t->cells + i, &l, out);
-    }
     return good ? EXIT_CODE_DONE : message_no_memory();
 }
 

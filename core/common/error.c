@@ -27,9 +27,8 @@ const char *shear_code_name(int code) {
 }
 
 int shear_fail(shear_error *err, int code, const char *advice, const char *format, ...) {
-    if (err == NULL) {
+    if (err == NULL)
         return code;
-    }
     va_list args;
     va_start(args, format);
     vsnprintf(err->message, sizeof err->message, format, args);
@@ -40,9 +39,8 @@ int shear_fail(shear_error *err, int code, const char *advice, const char *forma
 }
 
 int shear_prefix(shear_error *err, int code, const char *format, ...) {
-    if (err == NULL) {
+    if (err == NULL)
         return code;
-    }
     /* Room for both: what does not fit the message is cut off at its end. */
     char joined[2 * sizeof err->message];
     va_list args;

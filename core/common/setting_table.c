@@ -105,9 +105,8 @@ const shear_setting_def *shear_settings_table(size_t *n) {
 
 const shear_setting_def *shear_settings_find(const char *name) {
     for (size_t i = 0; i < N_SETTINGS; i++) {
-        if (spelling_same(table[i].name, name)) {
+        if (spelling_same(table[i].name, name))
             return &table[i];
-        }
     }
     return NULL;
 }

@@ -79,9 +79,8 @@ static int set_int(int *value, const shear_setting_def *def, const char *text, s
         *value = 0;
         return SHEAR_OK;
     }
-    if (!text_to_int64(text, &parsed) || (double)parsed < def->min || (double)parsed > def->max) {
+    if (!text_to_int64(text, &parsed) || (double)parsed < def->min || (double)parsed > def->max)
         return out_of_range(def, text, err);
-    }
     *value = (int)parsed;
     return SHEAR_OK;
 }
@@ -93,9 +92,8 @@ static int set_double(double *value, const shear_setting_def *def, const char *t
         *value = NAN;
         return SHEAR_OK;
     }
-    if (!text_to_double(text, &parsed) || !(parsed >= def->min) || !(parsed <= def->max)) {
+    if (!text_to_double(text, &parsed) || !(parsed >= def->min) || !(parsed <= def->max))
         return out_of_range(def, text, err);
-    }
     *value = parsed;
     return SHEAR_OK;
 }
@@ -104,9 +102,8 @@ static int set_preset(shear_settings *s, const shear_setting_def *def, const cha
                       shear_error *err) {
     int preset = SHEAR_PRESET_DEFAULT;
     const int code = set_choice(&preset, def, text, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     apply_preset(s, (enum shear_preset)preset);
     return SHEAR_OK;
 }
@@ -145,9 +142,8 @@ static void keep_given(shear_settings *s, const shear_settings *from, const bool
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     for (size_t i = 0; i < n; i++) {
-        if (given[i] && !is_preset(&table[i])) {
+        if (given[i] && !is_preset(&table[i]))
             memcpy(member(s, &table[i]), (const char *)from + table[i].offset, size_of(&table[i]));
-        }
     }
 }
 
@@ -158,12 +154,10 @@ int shear_settings_give(shear_settings *s, bool *given, const char *name, const 
     const shear_settings before = *s;
     const int code = shear_settings_set(s, name, text, err);
     const shear_setting_def *def = shear_settings_find(name);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (is_preset(def)) {
+    if (is_preset(def))
         keep_given(s, &before, given);
-    }
     given[def - table] = true;
     return SHEAR_OK;
 }
@@ -180,16 +174,14 @@ char *shear_settings_format(const shear_settings *s, const shear_setting_def *de
         break;
     case SHEAR_T_INT:
         snprintf(buf, size, "%d", *(const int *)value);
-        if (def->has_auto && *(const int *)value == 0) {
+        if (def->has_auto && *(const int *)value == 0)
             text_set(buf, size, shear_setting_auto(def));
-        }
         break;
     default: {
         const double number = *(const double *)value;
         snprintf(buf, size, "%.*g", text_digits(number, 1), number);
-        if (isnan(number)) {
+        if (isnan(number))
             text_set(buf, size, shear_setting_auto(def));
-        }
         break;
     }
     }

@@ -13,9 +13,8 @@ static bool in_range(const shear_settings *s, const shear_setting_def *def) {
     switch (def->type) {
     case SHEAR_T_CHOICE: {
         int n = 0;
-        while (def->choices[n] != NULL) {
+        while (def->choices[n] != NULL)
             n++;
-        }
         return *(const int *)value >= 0 && *(const int *)value < n;
     }
     case SHEAR_T_INT: {
@@ -62,9 +61,8 @@ static int check_filter(const shear_settings *s, shear_error *err) {
         return shear_fail(err, SHEAR_E_SETTING, "a core of your own goes with filter=auto",
                           "setting 'core' contradicts filter=%s", shear_filter_name(s->filter));
     }
-    if (!isnan(s->width_px) && s->filter == SHEAR_FILTER_NONE) {
+    if (!isnan(s->width_px) && s->filter == SHEAR_FILTER_NONE)
         return shear_fail(err, SHEAR_E_SETTING, NULL, "setting 'width' contradicts filter=none");
-    }
     if (s->background == SHEAR_BACKGROUND_NOISE_MEAN && s->filter == SHEAR_FILTER_NONE) {
         return shear_fail(err, SHEAR_E_SETTING,
                           "without a filter a constant is not seen: leave it at auto",
@@ -98,9 +96,8 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
         check_ranges, check_oversample, check_filter, check_methods};
     for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
         const int code = checks[i](s, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }

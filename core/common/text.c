@@ -23,9 +23,8 @@ static const struct {
 
 static bool is_hidden(uint32_t value) {
     for (size_t i = 0; i < sizeof hidden / sizeof hidden[0] && hidden[i].first <= value; i++) {
-        if (value <= hidden[i].last) {
+        if (value <= hidden[i].last)
             return true;
-        }
     }
     return false;
 }
@@ -42,9 +41,8 @@ char *shear_text_clean(const char *text, char *buf, size_t size) {
         uint32_t value = 0;
         const size_t n = utf8_decode(text, &value);
         const size_t shown = n > 0 && !is_hidden(value) ? n : 0;
-        if (used + (shown > 0 ? shown : 1) >= size) {
+        if (used + (shown > 0 ? shown : 1) >= size)
             break;
-        }
         if (shown > 0) {
             memcpy(buf + used, text, shown);
         } else {

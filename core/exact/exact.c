@@ -16,24 +16,21 @@ struct exact_sum {
 
 exact_sum *exact_new(int n) {
     exact_sum *sums = malloc((size_t)n * sizeof *sums);
-    for (int i = 0; sums != NULL && i < n; i++) {
+    for (int i = 0; sums != NULL && i < n; i++)
         mpz_init(sums[i].units);
-    }
     return sums;
 }
 
 void exact_free(exact_sum *sums, int n) {
-    for (int i = 0; sums != NULL && i < n; i++) {
+    for (int i = 0; sums != NULL && i < n; i++)
         mpz_clear(sums[i].units);
-    }
     free(sums);
 }
 
 void exact_add(exact_sum *sums, int i, double value) {
     assert(isfinite(value));
-    if (value == 0.0) {
+    if (value == 0.0)
         return;
-    }
     int exponent = 0;
     const double fraction = frexp(value, &exponent);
     double integer = ldexp(fraction, MANTISSA_BITS);
@@ -50,22 +47,19 @@ void exact_add(exact_sum *sums, int i, double value) {
 }
 
 void exact_join(exact_sum *sums, const exact_sum *other, int n) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         mpz_add(sums[i].units, sums[i].units, other[i].units);
-    }
 }
 
 void exact_leave(exact_sum *sums, const exact_sum *other, int n) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         mpz_sub(sums[i].units, sums[i].units, other[i].units);
-    }
 }
 
 double exact_value(const exact_sum *sums, int i) {
     const size_t bits = mpz_sizeinbase(sums[i].units, 2);
-    if (mpz_sgn(sums[i].units) == 0) {
+    if (mpz_sgn(sums[i].units) == 0)
         return 0.0;
-    }
     /* Round to 53 bits: add half a unit in the last place to the magnitude, then truncate. */
     const mp_bitcnt_t drop = bits > MANTISSA_BITS ? bits - MANTISSA_BITS : 0;
     mpz_t top;
@@ -86,9 +80,8 @@ double exact_value(const exact_sum *sums, int i) {
 
 char *exact_format(const exact_sum *sums, int i) {
     char *text = malloc(mpz_sizeinbase(sums[i].units, 16) + 2);
-    if (text != NULL) {
+    if (text != NULL)
         mpz_get_str(text, 16, sums[i].units);
-    }
     return text;
 }
 

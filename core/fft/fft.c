@@ -58,9 +58,8 @@ static bool find_passes(fft_plan *plan) {
     int done = 1;
     while (left > 1) {
         const int radix = fft_pass_radix(left);
-        if (radix == 1) {
+        if (radix == 1)
             return false;
-        }
         left /= radix;
         plan->pass[plan->n_passes++] = (fft_pass){.radix = radix, .m = left, .s = done};
         done *= radix;
@@ -109,9 +108,8 @@ size_t fft_plan_bytes(int n) {
 
 fft_plan *fft_plan_new(int n) {
     fft_plan *plan = calloc(1, sizeof *plan);
-    if (plan == NULL) {
+    if (plan == NULL)
         return NULL;
-    }
     plan->n = n;
     const bool made = find_passes(plan) ? make_twiddles(plan) : make_other(plan);
     if (!made) {
@@ -122,9 +120,8 @@ fft_plan *fft_plan_new(int n) {
 }
 
 void fft_plan_free(fft_plan *plan) {
-    if (plan == NULL) {
+    if (plan == NULL)
         return;
-    }
     if (plan->other != NULL) {
         pthread_mutex_lock(&planner);
         fftw_destroy_plan(plan->other);
@@ -174,8 +171,7 @@ fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size
 
 SHEAR_SIMD void fft_transpose(const double *restrict in, ptrdiff_t step, double *restrict out) {
     for (int c = 0; c < FFT_LANES; c++) {
-        for (int r = 0; r < FFT_LANES; r++) {
+        for (int r = 0; r < FFT_LANES; r++)
             out[FFT_LANES * c + r] = in[r * step + c];
-        }
     }
 }

@@ -10,12 +10,10 @@
  * of radices 8 and 4: 64 = 4 4 4, 256 = 8 8 4. Odd radices come last, without twiddles. */
 int fft_pass_radix(int n) {
     int twos = 0;
-    while (n % (2 << twos) == 0) {
+    while (n % (2 << twos) == 0)
         twos++;
-    }
-    if (twos == 0) {
+    if (twos == 0)
         return n % 5 == 0 ? 5 : n % 3 == 0 ? 3 : 1;
-    }
     return twos == 1 ? 2 : twos % 2 == 1 || twos > 6 ? 8 : 4;
 }
 
@@ -198,14 +196,12 @@ static SHEAR_INLINE void run(const fft_pass *pass, butterfly *one, size_t radix,
         t.w = pass->twiddle + 2 * p * (radix - 1);
         if (p == 0) { // NOLINT(bugprone-branch-clone): two loops, each with its constant
 #pragma omp simd
-            for (size_t l = 0; l < out_block; l++) {
+            for (size_t l = 0; l < out_block; l++)
                 one(&t, false, l);
-            }
         } else {
 #pragma omp simd
-            for (size_t l = 0; l < out_block; l++) {
+            for (size_t l = 0; l < out_block; l++)
                 one(&t, true, l);
-            }
         }
     }
 }

@@ -67,9 +67,8 @@ static void look_at_border(const double *pixels, int nx, int ny, double *middle,
     double values[4 * SHEAR_MAX_SIDE];
     const size_t n = artefact_border(pixels, nx, ny, values);
     *middle = median(values, n);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         values[i] = fabs(values[i] - *middle);
-    }
     *sigma = sigma_of_mad * median(values, n);
 }
 
@@ -79,9 +78,8 @@ double artefact_sigma(const artefact_pair *pair) {
     const double n = (double)pair->nx * pair->ny;
     const double far = fmax(ph->noise_most - ph->noise_mean, ph->noise_mean - ph->noise_least);
     const double squares = n * ph->noise_var - far * far * n / (n - 1.0);
-    if (squares > rounding * far * far || far == 0.0) {
+    if (squares > rounding * far * far || far == 0.0)
         return sqrt(fmax(0.0, squares) / (n - 1.0));
-    }
     double middle;
     double sigma;
     look_at_border(pair->noise, pair->nx, pair->ny, &middle, &sigma);
@@ -101,14 +99,12 @@ static SHEAR_INLINE double largest(const double *lanes) {
 /* The brightest pixel of n rows of a strip. */
 static SHEAR_INLINE double brightest(const double *rows, size_t nx, size_t n) {
     double best[FFT_LANES];
-    for (size_t l = 0; l < FFT_LANES; l++) {
+    for (size_t l = 0; l < FFT_LANES; l++)
         best[l] = rows[l];
-    }
     for (size_t y = 1; y < n; y++) {
 #pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
+        for (size_t l = 0; l < FFT_LANES; l++)
             best[l] = rows[y * nx + l] > best[l] ? rows[y * nx + l] : best[l];
-        }
     }
     return largest(best);
 }
@@ -120,9 +116,8 @@ static SHEAR_INLINE double most_over_mean(const double *rows, size_t nx, size_t 
                                           double sky) {
     const double own = 1.0 - part_of_pixel;
     double best[FFT_LANES];
-    for (size_t l = 0; l < FFT_LANES; l++) {
+    for (size_t l = 0; l < FFT_LANES; l++)
         best[l] = -INFINITY;
-    }
     for (size_t y = 0; y < n; y++) {
         const double *row = rows + y * nx;
         const double *below = row - nx;
@@ -164,9 +159,8 @@ static bool border_pixel_stands_out(const artefact_pair *pair, int x, int y, dou
                                     double bright) {
     const double sky = pair->ph->noise_mean;
     const double *row = pair->galaxy + (size_t)y * (size_t)pair->nx;
-    if (!(row[x] - sky > bright)) {
+    if (!(row[x] - sky > bright))
         return false;
-    }
     const double p = (1.0 - part_of_pixel) * (row[x] - sky);
     const bool side = x == 0 || x == pair->nx - 1;
     const double m = side ? INFINITY : 0.5 * (row[x - 1] + row[x + 1]) - sky;
@@ -198,9 +192,8 @@ int artefact_strip_start(const artefact_pair *pair, int i) {
 bool artefact_suspected(const artefact_pair *pair, const sharpness *s) {
     const photometry *ph = pair->ph;
     const double sigma = artefact_sigma(pair);
-    if (!(sigma > 0.0)) {
+    if (!(sigma > 0.0))
         return false;
-    }
     const double sky = ph->noise_mean;
     const double bright = bright_sigma * white_gain(s->ratio) * sigma;
     const double dark = sky - dark_sigma * sigma;

@@ -45,9 +45,8 @@ static axis_weights weights(enum axis_kind kind, double t) {
  * a broken line uses them from its own beginning. */
 static void fill_pivots(double *pivot, int n) {
     pivot[0] = 0.0;
-    for (int i = 1; i < n; i++) {
+    for (int i = 1; i < n; i++)
         pivot[i] = 1.0 / (4.0 - pivot[i - 1]);
-    }
 }
 
 static axis_point point(enum axis_kind kind, int n, int s, int fine) {
@@ -66,12 +65,10 @@ bool axis_init(axis *ax, enum axis_kind kind, int n, int s) {
     *ax = (axis){.kind = kind, .n = n, .s = s};
     ax->points = calloc(fine + FFT_LANES, sizeof *ax->points);
     ax->pivot = malloc((size_t)n * sizeof *ax->pivot);
-    if (ax->points == NULL || ax->pivot == NULL) {
+    if (ax->points == NULL || ax->pivot == NULL)
         return false;
-    }
-    for (size_t i = 0; i < fine; i++) {
+    for (size_t i = 0; i < fine; i++)
         ax->points[i] = point(kind, n, s, (int)i);
-    }
     fill_pivots(ax->pivot, n);
     return true;
 }
@@ -90,17 +87,15 @@ SHEAR_SIMD static void cubic_slopes(int n, const double *f, double *e, size_t st
         const double scale = i > 0 && i < n - 1 ? 0.5 : 1.0;
         double *out = e + (size_t)i * stride;
 #pragma omp simd
-        for (int l = 0; l < lanes; l++) {
+        for (int l = 0; l < lanes; l++)
             out[l] = scale * (after[l] - before[l]);
-        }
     }
 }
 
 SHEAR_SIMD static void spline_slopes(const double *pivot, int n, const double *f, double *e,
                                      size_t stride, int lanes) {
-    for (int l = 0; l < lanes; l++) {
+    for (int l = 0; l < lanes; l++)
         e[l] = 0.0;
-    }
     for (int i = 1; i < n - 1; i++) {
         const double *at = f + (size_t)i * stride;
         double *out = e + (size_t)i * stride;
@@ -112,16 +107,14 @@ SHEAR_SIMD static void spline_slopes(const double *pivot, int n, const double *f
             out[l] = p * (curve - out[l - (ptrdiff_t)stride]);
         }
     }
-    for (int l = 0; l < lanes; l++) {
+    for (int l = 0; l < lanes; l++)
         e[(size_t)(n - 1) * stride + (size_t)l] = 0.0;
-    }
     for (int i = n - 2; i > 0; i--) {
         double *out = e + (size_t)i * stride;
         const double p = pivot[i];
 #pragma omp simd
-        for (int l = 0; l < lanes; l++) {
+        for (int l = 0; l < lanes; l++)
             out[l] -= p * out[l + (ptrdiff_t)stride];
-        }
     }
 }
 
@@ -131,9 +124,8 @@ void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int 
     } else if (ax->kind == AXIS_SPLINE) {
         spline_slopes(ax->pivot, ax->n, f, e, stride, lanes);
     } else { /* weighed with 0, and so must be numbers */
-        for (int i = 0; i < ax->n; i++) {
+        for (int i = 0; i < ax->n; i++)
             memset(e + (size_t)i * stride, 0, (size_t)lanes * sizeof *e);
-        }
     }
 }
 
@@ -151,9 +143,8 @@ void axis_slopes_marked(const axis *ax, const double *marks, const double *f, do
             continue;
         }
         int end = i + 1;
-        while (end < ax->n && !is_mark(marks[(size_t)end * stride])) {
+        while (end < ax->n && !is_mark(marks[(size_t)end * stride]))
             end++;
-        }
         const double *run_f = f + (size_t)i * stride;
         double *run_e = e + (size_t)i * stride;
         if (ax->kind == AXIS_CUBIC) {
@@ -161,9 +152,8 @@ void axis_slopes_marked(const axis *ax, const double *marks, const double *f, do
         } else if (ax->kind == AXIS_SPLINE) {
             spline_slopes(ax->pivot, end - i, run_f, run_e, stride, 1);
         } else {
-            for (int k = i; k < end; k++) {
+            for (int k = i; k < end; k++)
                 e[(size_t)k * stride] = 0.0;
-            }
         }
         i = end;
     }
@@ -171,9 +161,8 @@ void axis_slopes_marked(const axis *ax, const double *marks, const double *f, do
 
 double axis_between_marks(const axis_point *p, double f_left, double f_right, double e_left,
                           double e_right) {
-    if (p->on_grid) {
+    if (p->on_grid)
         return f_left;
-    }
     return is_mark(f_left) || is_mark(f_right)
                ? -INFINITY
                : p->w.a * f_left + p->w.b * f_right + p->w.c * e_left + p->w.d * e_right;

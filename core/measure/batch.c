@@ -25,9 +25,8 @@ static int measure_blocks(const shear_plan *plan, const shear_stamps *stamps, in
             if (b < first_bad) {
                 first_bad = b;
                 code = block_code;
-                if (err != NULL) {
+                if (err != NULL)
                     *err = local;
-                }
             }
         }
     }
@@ -41,28 +40,24 @@ typedef struct workspaces {
 } workspaces;
 
 static void workspaces_deinit(workspaces *w) {
-    for (int i = 0; w->each != NULL && i < w->n; i++) {
+    for (int i = 0; w->each != NULL && i < w->n; i++)
         shear_workspace_free(w->each[i]);
-    }
     free(w->each);
 }
 
 int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int threads,
                         shear_workspace *const *ws, shear_row *rows, shear_error *err) {
     const int team = threads > 0 ? threads : omp_get_max_threads();
-    if (ws != NULL) {
+    if (ws != NULL)
         return measure_blocks(plan, stamps, team, ws, rows, err);
-    }
     CLEANUP(workspaces_deinit) workspaces own = {.n = team};
     own.each = calloc((size_t)team, sizeof(shear_workspace *));
-    if (own.each == NULL) {
+    if (own.each == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d workspaces", team);
-    }
     for (int i = 0; i < team; i++) {
         const int code = shear_workspace_new(&own.each[i], plan, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return measure_blocks(plan, stamps, team, own.each, rows, err);
 }

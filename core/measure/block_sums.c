@@ -29,18 +29,16 @@ static void weigh_components(const shear_row *row, double *x) {
         [SHEAR_C_HIGH_GALAXY] = row->high_galaxy,
         [SHEAR_C_HIGH_NOISE] = row->high_noise,
     };
-    for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
+    for (int i = 0; i < SHEAR_N_COMPONENTS; i++)
         x[i] = row->weight * parts[i];
-    }
 }
 
 bool block_terms(const shear_row *row, double *terms) {
     double *x = terms + SHEAR_S_COMPONENT;
     weigh_components(row, x);
     for (int j = 0, at = SHEAR_S_PRODUCT; j < SHEAR_N_COMPONENTS; j++) {
-        for (int i = 0; i <= j; i++, at++) {
+        for (int i = 0; i <= j; i++, at++)
             terms[at] = x[i] * x[j];
-        }
     }
     terms[SHEAR_S_W] = row->weight;
     terms[SHEAR_S_POWER] = row->weight * (row->m20 + row->m02);
@@ -63,17 +61,15 @@ bool block_terms(const shear_row *row, double *terms) {
     terms[SHEAR_S_BORDER_STEP2] = row->border_step2;
     terms[SHEAR_S_BORDER_STEP4] = row->border_step2 * row->border_step2;
     bool good = true;
-    for (int term = 0; term < SHEAR_N_TERMS; term++) {
+    for (int term = 0; term < SHEAR_N_TERMS; term++)
         good = good && fabs(terms[term]) < largest_term;
-    }
     return good;
 }
 
 static void add_influence(shear_block_sums *b, const double *x, int64_t stamp) {
     const double size = fmax(fmax(fabs(x[SHEAR_C_N1]), fabs(x[SHEAR_C_N2])), fabs(x[SHEAR_C_D]));
-    if (size > b->top.size) {
+    if (size > b->top.size)
         b->top = (shear_influence){.size = size, .stamp = stamp};
-    }
 }
 
 void shear_block_sums_add(shear_block_sums *b, const shear_row *row) {
@@ -82,15 +78,12 @@ void shear_block_sums_add(shear_block_sums *b, const shear_row *row) {
     const uint32_t flags =
         row->flags == 0 && !summable ? (uint32_t)SHEAR_FLAG_OVERFLOW : row->flags;
     b->n_stamps++;
-    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++)
         b->flagged[bit] += (flags >> bit) & 1u;
-    }
-    if (flags != 0) {
+    if (flags != 0)
         return;
-    }
     b->n_used++;
     add_influence(b, terms + SHEAR_S_COMPONENT, row->stamp);
-    for (int term = 0; term < SHEAR_N_TERMS; term++) {
+    for (int term = 0; term < SHEAR_N_TERMS; term++)
         add_term(b, term, terms[term]);
-    }
 }

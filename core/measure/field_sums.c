@@ -44,12 +44,10 @@ enum { N_OLD_TERMS = sizeof old_terms / sizeof old_terms[0] };
 int shear_field_sums_new(shear_field_sums **out, shear_error *err) {
     *out = NULL;
     CLEANUP(shear_field_sums_release) shear_field_sums *f = calloc(1, sizeof *f);
-    if (f != NULL) {
+    if (f != NULL)
         f->sums = exact_new(SHEAR_N_TERMS);
-    }
-    if (f == NULL || f->sums == NULL) {
+    if (f == NULL || f->sums == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
-    }
     *out = CLEANUP_TAKE(f);
     return SHEAR_OK;
 }
@@ -63,9 +61,8 @@ void shear_field_sums_free(shear_field_sums *f) {
 
 /* The larger one, whichever comes first; not known where one of both is not. */
 static shear_influence larger(shear_influence a, shear_influence b) {
-    if (isnan(a.size) || isnan(b.size)) {
+    if (isnan(a.size) || isnan(b.size))
         return (shear_influence){.size = NAN, .stamp = -1};
-    }
     const bool first = a.size > b.size || (a.size == b.size && a.stamp <= b.stamp);
     return first ? a : b;
 }
@@ -81,9 +78,8 @@ void shear_field_sums_set_top(shear_field_sums *f, shear_influence top) {
 void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
     f->n_stamps += b->n_stamps;
     f->n_used += b->n_used;
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         f->flagged[i] += b->flagged[i];
-    }
     for (int i = 0; i < SHEAR_N_TERMS; i++) {
         exact_add(f->sums, i, b->hi[i]);
         exact_add(f->sums, i, b->lo[i]);
@@ -94,9 +90,8 @@ void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
 void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
     f->n_stamps += g->n_stamps;
     f->n_used += g->n_used;
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         f->flagged[i] += g->flagged[i];
-    }
     exact_join(f->sums, g->sums, SHEAR_N_TERMS);
     f->top = larger(f->top, g->top);
 }
@@ -104,26 +99,22 @@ void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
 void shear_field_sums_subtract(shear_field_sums *f, const shear_field_sums *g) {
     f->n_stamps -= g->n_stamps;
     f->n_used -= g->n_used;
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         f->flagged[i] -= g->flagged[i];
-    }
     exact_leave(f->sums, g->sums, SHEAR_N_TERMS);
-    if (!(f->top.size > g->top.size)) {
+    if (!(f->top.size > g->top.size))
         f->top = (shear_influence){.size = NAN, .stamp = -1};
-    }
 }
 
 static bool write_text(const shear_field_sums *f, FILE *out) {
     fprintf(out, "%s %" PRId64 " %" PRId64 " %d", magic, f->n_stamps, f->n_used, SHEAR_N_FLAGS);
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         fprintf(out, " %" PRId64, f->flagged[i]);
-    }
     fprintf(out, " %d", SHEAR_N_TERMS);
     for (int i = 0; i < SHEAR_N_TERMS; i++) {
         char *term = exact_format(f->sums, i);
-        if (term == NULL) {
+        if (term == NULL)
             return false;
-        }
         fprintf(out, " %s", term);
         free(term);
     }
@@ -136,9 +127,8 @@ int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error 
     *text = NULL;
     FILE *out = open_memstream(text, &size);
     bool written = out != NULL && write_text(f, out);
-    if (out != NULL) {
+    if (out != NULL)
         written = fclose(out) == 0 && written;
-    }
     if (!written) {
         free(*text);
         *text = NULL;
@@ -159,9 +149,8 @@ static bool read_count(char **rest, int64_t *count) {
 
 static bool read_flags(shear_field_sums *f, int64_t n, char **rest) {
     bool good = n <= SHEAR_N_FLAGS;
-    for (int64_t i = 0; good && i < n; i++) {
+    for (int64_t i = 0; good && i < n; i++)
         good = read_count(rest, &f->flagged[i]) && f->flagged[i] <= f->n_stamps - f->n_used;
-    }
     return good;
 }
 
@@ -201,17 +190,15 @@ static const char *read_text(shear_field_sums *f, bool old, char *rest) {
         f->n_used > f->n_stamps) {
         return "the numbers of stamps";
     }
-    if ((!old && !read_count(&rest, &n_flags)) || !read_flags(f, n_flags, &rest)) {
+    if ((!old && !read_count(&rest, &n_flags)) || !read_flags(f, n_flags, &rest))
         return "the flags' counts";
-    }
     if ((!old && !read_count(&rest, &n_terms)) ||
         !read_terms(f, n_terms, old ? old_terms : NULL, &rest)) {
         return "the terms";
     }
     f->top = (shear_influence){.size = NAN, .stamp = -1};
-    if (!old && !read_top(f, &rest)) {
+    if (!old && !read_top(f, &rest))
         return "the stamp that counts most";
-    }
     return rest == NULL ? NULL : "what follows them";
 }
 
@@ -220,12 +207,10 @@ static int parse_rest(shear_field_sums **out, bool old, const char *text, shear_
     CLEANUP(shear_field_sums_release) shear_field_sums *f = NULL;
     CLEANUP(release_free) char *copy = strdup(text);
     const int code = shear_field_sums_new(&f, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (copy == NULL) {
+    if (copy == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
-    }
     const char *wrong = read_text(f, old, copy);
     if (wrong != NULL) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,

@@ -82,12 +82,10 @@ static bool fill_row(filter_map *m, int fine_y) {
     int last = n - 1;
     window(m->dx2, dy * dy, m->core_px, 1.0 / m->width_px, fft_padded(n), m->row);
     memcpy(row, m->row, (size_t)n * sizeof *row);
-    while (last >= 0 && row[last] == 0.0) {
+    while (last >= 0 && row[last] == 0.0)
         last--;
-    }
-    while (first < last && row[first] == 0.0) {
+    while (first < last && row[first] == 0.0)
         first++;
-    }
     m->x0[fine_y] = first;
     m->x1[fine_y] = last + 1;
     return last >= 0;
@@ -125,17 +123,15 @@ static void bound_strip(filter_map *m, int strip) {
 
 static double sum_of(const double *values, size_t n) {
     double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         sum += values[i];
-    }
     return sum;
 }
 
 void filter_map_fill(filter_map *m, double core_px, double width_px) {
     assert(core_px >= 0.0 && width_px > 0.0);
-    if (m->core_px == core_px && m->width_px == width_px) {
+    if (m->core_px == core_px && m->width_px == width_px)
         return;
-    }
     m->core_px = core_px;
     m->width_px = width_px;
     m->y0 = m->ny * m->s;
@@ -146,9 +142,8 @@ void filter_map_fill(filter_map *m, double core_px, double width_px) {
             m->y1 = y + 1;
         }
     }
-    for (int i = 0; i < strips(m); i++) {
+    for (int i = 0; i < strips(m); i++)
         bound_strip(m, i);
-    }
     m->sum = sum_of(m->value, (size_t)m->nx * (size_t)m->s * (size_t)m->ny * (size_t)m->s);
 }
 

@@ -34,9 +34,8 @@ size_t high_band_bytes(int nx, int ny, bool corners_only) {
  * left out like row jy = ny/2: rotated by 90 degrees, a square stamp has the same power. */
 static void count_mode(high_band *b, int x, int jy) {
     const int jx = x <= b->nx / 2 ? x : b->nx - x;
-    if (2 * jx == b->nx) {
+    if (2 * jx == b->nx)
         return;
-    }
     const double images = jy == 0 ? 1.0 : 2.0;
     const size_t at = (size_t)x * b->stride + (size_t)jy;
     int *first = &b->first_jx[jy / FFT_LANES];
@@ -56,9 +55,8 @@ static void count_group(high_band *b, int group) {
     const int first = group * FFT_LANES;
     const int end = first + FFT_LANES < rows_of(b->ny) ? first + FFT_LANES : rows_of(b->ny);
     for (int x = 0; x < b->nx; x++) {
-        for (int jy = first; jy < end; jy++) {
+        for (int jy = first; jy < end; jy++)
             count_mode(b, x, jy);
-        }
     }
 }
 
@@ -69,16 +67,13 @@ bool high_band_init(high_band *b, int nx, int ny, bool corners_only) {
     b->first_jx = malloc(((size_t)b->last_group + 1) * sizeof *b->first_jx);
     b->corner = fft_zeros(table_doubles(b));
     b->edge = corners_only ? NULL : fft_zeros(table_doubles(b));
-    if (b->first_jx == NULL || b->corner == NULL || (b->edge == NULL && !corners_only)) {
+    if (b->first_jx == NULL || b->corner == NULL || (b->edge == NULL && !corners_only))
         return false;
-    }
-    for (int group = 0; group <= b->last_group; group++) {
+    for (int group = 0; group <= b->last_group; group++)
         b->first_jx[group] = nx / 2 + 1;
-    }
     count_group(b, b->last_group);
-    for (int group = 0; group < b->last_group && b->n_edge + b->n_corner < MODES; group++) {
+    for (int group = 0; group < b->last_group && b->n_edge + b->n_corner < MODES; group++)
         count_group(b, group);
-    }
     return true;
 }
 
@@ -127,13 +122,11 @@ SHEAR_SIMD static void sum_columns(const mode_rows *rows, const high_band *b, la
     const size_t row = (size_t)r.group * FFT_LANES;
     lane_power s = {0}; /* a local copy stays in registers */
     if (b->edge == NULL) {
-        for (size_t x = first; x <= last; x++) {
+        for (size_t x = first; x <= last; x++)
             add_column(&s, &r, x, NULL, b->corner + x * b->stride + row);
-        }
     } else {
-        for (size_t x = first; x <= last; x++) {
+        for (size_t x = first; x <= last; x++)
             add_column(&s, &r, x, b->edge + x * b->stride + row, b->corner + x * b->stride + row);
-        }
     }
     *out = s;
 }

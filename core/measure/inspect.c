@@ -36,9 +36,8 @@ static void copy_image(const shear_plan *plan, shear_workspace *ws, surface *s, 
     const surface_grid *g = &plan->grid;
     for (int x = 0; x < g->fine_nx; x++) {
         const int x0 = x / FFT_LANES * FFT_LANES;
-        if (x == x0) {
+        if (x == x0)
             surface_strip(s, g, x0, 0, g->fine_ny, ws->strip.re);
-        }
         for (int y = 0; y < g->fine_ny; y++) {
             out[(size_t)y * (size_t)g->fine_nx + (size_t)x] =
                 ws->strip.re[(size_t)y * FFT_LANES + (size_t)(x - x0)];
@@ -52,9 +51,8 @@ static void copy_images(const shear_plan *plan, shear_workspace *ws, bool has_no
                         const filter_map *filter, shear_inspection *out) {
     const size_t points = (size_t)out->fine_nx * (size_t)out->fine_ny;
     copy_image(plan, ws, &ws->galaxy, out->galaxy_fine);
-    if (has_noise) {
+    if (has_noise)
         copy_image(plan, ws, &ws->noise, out->noise_fine);
-    }
     for (size_t i = 0; i < points; i++) {
         out->noise_fine[i] = has_noise ? out->noise_fine[i] : NAN;
         out->galaxy_filtered[i] = filter != NULL
@@ -99,9 +97,8 @@ static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const tran
         const mode_rows rows = pack_transform_rows(plan, ws, group);
         const int left = t->jy - group * FFT_LANES;
         for (int l = 0; l < FFT_LANES && l <= left; l++) {
-            for (int jx = -t->jx; jx <= t->jx; jx++) {
+            for (int jx = -t->jx; jx <= t->jx; jx++)
                 put_mode(p, t, jx, group * FFT_LANES + l, moments_power(&rows, jx, l) - flat, out);
-            }
         }
     }
 }
@@ -133,9 +130,8 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     shear_row row;
     *out = (shear_inspection){0};
     const int code = shear_measure(plan, ws, stamps, i, &row, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (row.flags != 0) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "stamp %lld is flagged (0x%x) and cannot be shown",

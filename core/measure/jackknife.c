@@ -26,9 +26,8 @@ int shear_jackknife_new(shear_jackknife **out, int groups, shear_error *err) {
                           groups);
     }
     *out = calloc(1, sizeof **out);
-    if (*out == NULL) {
+    if (*out == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife");
-    }
     (*out)->groups = groups;
     return SHEAR_OK;
 }
@@ -49,21 +48,18 @@ static int reserve(shear_jackknife *j, size_t n, shear_error *err) {
 
 int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err) {
     const int code = reserve(j, j->n + 1, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     component_sums *p = &j->blocks[j->n++];
-    for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
+    for (int i = 0; i < SHEAR_N_COMPONENTS; i++)
         p->x[i] = b->hi[SHEAR_S_COMPONENT + i] + b->lo[SHEAR_S_COMPONENT + i];
-    }
     return SHEAR_OK;
 }
 
 int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err) {
     const int code = reserve(j, j->n + other->n, err);
-    if (code != SHEAR_OK || other->n == 0) {
+    if (code != SHEAR_OK || other->n == 0)
         return code;
-    }
     memcpy(j->blocks + j->n, other->blocks, other->n * sizeof *other->blocks);
     j->n += other->n;
     return SHEAR_OK;
@@ -72,17 +68,15 @@ int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear
 static component_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to) {
     component_sums sum = {0};
     for (size_t i = from; i < to; i++) {
-        for (int k = 0; k < SHEAR_N_COMPONENTS; k++) {
+        for (int k = 0; k < SHEAR_N_COMPONENTS; k++)
             sum.x[k] += j->blocks[i].x[k];
-        }
     }
     return sum;
 }
 
 static component_sums without(const component_sums *all, component_sums some) {
-    for (int k = 0; k < SHEAR_N_COMPONENTS; k++) {
+    for (int k = 0; k < SHEAR_N_COMPONENTS; k++)
         some.x[k] = all->x[k] - some.x[k];
-    }
     return some;
 }
 

@@ -25,9 +25,8 @@ void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const sh
     }
     const double core = r_gal + 4.0 * plan->info.beta_px; /* the paper's choice, section 4.2 */
     filter_map_fill(&ws->fine, core, plan->info.width_px);
-    if (!one_grid) {
+    if (!one_grid)
         filter_map_fill(&ws->coarse, core, plan->info.width_px);
-    }
     *fine = &ws->fine;
     *coarse = one_grid ? &ws->fine : &ws->coarse;
 }
@@ -43,18 +42,16 @@ static const double *psf_of(const shear_plan *plan, const shear_stamps *stamps, 
 
 const transfer *measure_choose_transfer(const shear_plan *plan, shear_workspace *ws,
                                         const shear_stamps *stamps, int i, uint32_t *flags) {
-    if (plan->has_psf) {
+    if (plan->has_psf)
         return &plan->transfer;
-    }
     const transfer_plan *p = &plan->transfer_plan;
     const double *psf = psf_of(plan, stamps, i);
     if (psf == NULL) {
         *flags |= SHEAR_FLAG_PSF_UNUSABLE;
         return NULL;
     }
-    if (psf == ws->transfer_of) {
+    if (psf == ws->transfer_of)
         return &ws->transfer;
-    }
     ws->transfer_of = NULL;
     if (transfer_make(&ws->transfer, p, &ws->psf_scratch, psf, NULL) != SHEAR_OK) {
         *flags |= SHEAR_FLAG_PSF_UNUSABLE;
@@ -88,9 +85,8 @@ static uint32_t flags_of_catalog(const shear_stamps *stamps, int i, double weigh
 static double removed_flux(const shear_plan *plan, const shear_workspace *ws,
                            const filter_map *filter, const shear_stamps *stamps,
                            const double *galaxy, const double *noise, double lost) {
-    if (filter == NULL) {
+    if (filter == NULL)
         return 0.0;
-    }
     const size_t pixels = (size_t)filter->nx * (size_t)filter->ny;
     return plan->info.oversample == 1 && plan->settings.noise_correction &&
                    noise_planes(stamps) == 1
@@ -120,9 +116,8 @@ static uint32_t bad_values(const shear_plan *plan, const shear_stamps *stamps,
     const size_t planes = (size_t)noise_planes(stamps);
     const double value = plan->settings.bad_value;
     const size_t n = (size_t)plan->info.geometry.nx * (size_t)plan->info.geometry.ny;
-    if (isnan(value)) {
+    if (isnan(value))
         return 0u;
-    }
     return (photometry_holds(s->galaxy, n, value) ? (uint32_t)SHEAR_FLAG_GALAXY_NOT_FINITE : 0u) |
            (photometry_holds(s->noise, planes * n, value) ? (uint32_t)SHEAR_FLAG_NOISE_NOT_FINITE
                                                           : 0u);
@@ -134,9 +129,8 @@ static void prepare(const shear_plan *plan, shear_workspace *ws, const shear_sta
                     stamp_pair *s, uint32_t *flags) {
     uint32_t psf_flag = 0;
     measure_choose_filter(plan, ws, stamps, i, &s->fine, &s->coarse, flags);
-    if (*flags == 0) {
+    if (*flags == 0)
         s->transfer = measure_choose_transfer(plan, ws, stamps, i, &psf_flag);
-    }
     if (s->transfer != NULL) {
         s->packed = pack_pair(plan, ws, s->fine, s->galaxy, s->noise, false, s->transfer, &s->ph,
                               &s->failure);
@@ -152,9 +146,8 @@ static const sharpness *choose_sharpness(const shear_plan *plan, shear_workspace
                                          const shear_stamps *stamps, int i) {
     const shear_geometry *g = &plan->info.geometry;
     const double *psf = plan->has_psf ? NULL : psf_of(plan, stamps, i);
-    if (psf == NULL) {
+    if (psf == NULL)
         return plan->has_psf ? &plan->sharpness : NULL;
-    }
     if (psf != ws->sharpness_of) {
         ws->sharpness = sharpness_of(psf, g->psf_nx, g->psf_ny, g->psf_oversample);
         ws->sharpness_of = psf;
@@ -173,17 +166,15 @@ static void find_artefact(const shear_plan *plan, shear_workspace *ws, const she
                                 .ph = &s->ph,
                                 .strip_most = ws->strip_most};
     artefact found = {.x = -1, .y = -1};
-    if (plan->settings.artefacts == SHEAR_ARTEFACTS_KEEP) {
+    if (plan->settings.artefacts == SHEAR_ARTEFACTS_KEEP)
         return;
-    }
     if (artefact_suspected(&pair, plan->has_psf ? &plan->sharpness : &weakest)) {
         const sharpness *sharp = choose_sharpness(plan, ws, stamps, i);
         found = sharp != NULL ? artefact_find(&pair, sharp) : found;
     }
     const double sigma = artefact_sigma(&pair);
-    if (found.x < 0 && saturation_suspected(&pair, sigma)) {
+    if (found.x < 0 && saturation_suspected(&pair, sigma))
         found = saturation_find(&pair, sigma);
-    }
     if (found.x >= 0) {
         row->flags |= found.in_noise ? SHEAR_FLAG_NOISE_ARTEFACT : SHEAR_FLAG_ARTEFACT;
         row->artefact_x = found.x;
@@ -229,9 +220,8 @@ static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_s
         ph = photometry_of(one, two, stamps->nx, stamps->ny, ws->strip_most);
     }
     check_more_noise(plan, ws, stamps, i, one, two, &ph, row);
-    if (!s->packed || row->flags != 0) {
+    if (!s->packed || row->flags != 0)
         return false;
-    }
     s->noisy = s->noisy ||
                holds_noise(stamps, one, ph.galaxy_least, ph.galaxy_most, s->ph.galaxy_most) ||
                holds_noise(stamps, two, ph.noise_least, ph.noise_most, s->ph.galaxy_most);
@@ -252,13 +242,11 @@ static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_
     for (int k = 1; k < planes; k += 2) {
         const double *one = s->noise + (size_t)k * pixels;
         const double *two = k + 1 < planes ? one + pixels : one; /* twice the last one, halved */
-        if (!add_noise(plan, ws, stamps, i, one, two, s, &all, row)) {
+        if (!add_noise(plan, ws, stamps, i, one, two, s, &all, row))
             return false;
-        }
     }
-    if (planes > 1) {
+    if (planes > 1)
         spectra_set_noise(sp, &all, planes);
-    }
     return true;
 }
 
@@ -278,40 +266,33 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     stamp_pair s = stamp_pair_at(stamps, i);
     row_begin(row, stamps, i);
     prepare(plan, ws, stamps, i, &s, &row->flags);
-    if (row->flags == 0) {
+    if (row->flags == 0)
         find_artefact(plan, ws, stamps, i, &s, row);
-    }
-    if (row->flags != 0) {
+    if (row->flags != 0)
         return SHEAR_OK;
-    }
-    if (!s.packed) {
+    if (!s.packed)
         return negative_pixel(plan, stamps, i, &s.failure, err);
-    }
     spectra sp = spectra_of(plan, ws, s.transfer);
     s.noisy = holds_noise(stamps, s.noise, s.ph.noise_least, s.ph.noise_most, s.ph.galaxy_most);
-    if (!more_noise(plan, ws, stamps, i, &s, &sp, row)) {
+    if (!more_noise(plan, ws, stamps, i, &s, &sp, row))
         return row->flags != 0 ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
-    }
     row_fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
     row->flux_removed =
         removed_flux(plan, ws, s.coarse, stamps, s.galaxy, s.noise, s.ph.flux - sp.flux);
     spectra_subtract_plateau(&sp, plan, s.transfer);
-    if (!s.noisy) {
+    if (!s.noisy)
         spectra_forget_noise(&sp);
-    }
     row_fill_noise(row, &sp, plan);
-    if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
+    if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS)
         row_fill_cross(row, &sp.cross, plan->info.beta_px, plan->info.r_psf_px);
-    }
     row_fill_moments(row, &sp.difference, plan->info.beta_px);
     return SHEAR_OK;
 }
 
 static int check_shape(const shear_plan *plan, const shear_stamps *stamps, shear_error *err) {
     const shear_geometry *g = &plan->info.geometry;
-    if (stamps->nx == g->nx && stamps->ny == g->ny) {
+    if (stamps->nx == g->nx && stamps->ny == g->ny)
         return SHEAR_OK;
-    }
     return shear_fail(err, SHEAR_E_INTERNAL, "make a plan for this shape",
                       "stamps of %d x %d px given to a plan for %d x %d px", stamps->nx, stamps->ny,
                       g->nx, g->ny);
@@ -322,9 +303,8 @@ int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear
     int code = check_shape(plan, stamps, err);
     ws->transfer_of = NULL; /* the caller may have put other images into the same memory */
     ws->sharpness_of = NULL;
-    for (int i = from; i < to && code == SHEAR_OK; i++) {
+    for (int i = from; i < to && code == SHEAR_OK; i++)
         code = measure_one(plan, ws, stamps, i, &rows[i - from], err);
-    }
     return code;
 }
 
@@ -336,9 +316,8 @@ int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamp
 int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err) {
     const int code = check_shape(plan, stamps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     stamp_pair s = stamp_pair_at(stamps, i);
     row_begin(row, stamps, i);
     ws->sharpness_of = NULL;
@@ -347,9 +326,8 @@ int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     measure_choose_filter(plan, ws, stamps, i, &s.fine, &s.coarse, &row->flags);
     row->flags |=
         !plan->has_psf && psf_of(plan, stamps, i) == NULL ? (uint32_t)SHEAR_FLAG_PSF_UNUSABLE : 0u;
-    if (row->flags == 0) {
+    if (row->flags == 0)
         find_artefact(plan, ws, stamps, i, &s, row);
-    }
     for (int k = 1; k < noise_planes(stamps) && row->flags == 0; k++) {
         const double *noise = s.noise + (size_t)k * (size_t)stamps->nx * (size_t)stamps->ny;
         const photometry ph = photometry_of(noise, noise, stamps->nx, stamps->ny, ws->strip_most);

@@ -90,19 +90,16 @@ int64_t memory_of_plan(const memory_of *m) {
                     axis_bytes(g->psf_nx, psf_factor(info)) +
                     axis_bytes(g->psf_ny, psf_factor(info)) + transform(g->nx * q) +
                     transform(g->ny * q) + stride(info) * D + table_bytes(info);
-    if (m->has_psf) {
+    if (m->has_psf)
         bytes += table_bytes(info);
-    }
-    if (info->filter != SHEAR_FILTER_NONE && !info->filter_per_stamp) {
+    if (info->filter != SHEAR_FILTER_NONE && !info->filter_per_stamp)
         bytes += filters_bytes(info);
-    }
     if (info->noise_band != SHEAR_NOISE_BAND_NONE) {
         bytes +=
             (int64_t)high_band_bytes(g->nx, g->ny, info->noise_band == SHEAR_NOISE_BAND_CORNERS);
     }
-    if (m->settings->shot_noise == SHEAR_SHOT_PLATEAU) {
+    if (m->settings->shot_noise == SHEAR_SHOT_PLATEAU)
         bytes += g->nx * padded(g->ny / 2 + 1) * D;
-    }
     return bytes;
 }
 
@@ -122,14 +119,11 @@ int64_t memory_of_workspace(const memory_of *m, int last_jy) {
     int64_t bytes = (int64_t)sizeof(shear_workspace) + lanes(info->fine_ny + 1) +
                     3 * lanes(longer(info->fine_nx, info->fine_ny) + 1) +
                     4 * groups * (info->fine_nx + 1) * FFT_LANES * D;
-    if (info->interpolation != SHEAR_INTERP_NONE) {
+    if (info->interpolation != SHEAR_INTERP_NONE)
         bytes += 2 * image_bytes(g->nx, g->ny);
-    }
-    if (info->filter_per_stamp) {
+    if (info->filter_per_stamp)
         bytes += filters_bytes(info);
-    }
-    if (!m->has_psf) {
+    if (!m->has_psf)
         bytes += transfer_scratch_bytes(info) + table_bytes(info);
-    }
     return bytes;
 }

@@ -3,9 +3,8 @@
 #include "measure/internal.h"
 
 int mode_groups_last(const shear_plan *plan, const transfer *t) {
-    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU)
         return plan->plateau.last_group;
-    }
     const int last = t->jy / FFT_LANES;
     return high_band_is_set(&plan->high) && plan->high.last_group > last ? plan->high.last_group
                                                                          : last;

@@ -82,9 +82,8 @@ static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t
             const mode y = mode_at(&r, end - at + l, at + l);
             add_columns(&s, l, right[l] * (which == CROSS ? cross(z) : difference(z)),
                         left[l] * (which == CROSS ? cross(y) : difference(y)), jx);
-            if (which == WITH_NOISE) {
+            if (which == WITH_NOISE)
                 add_columns(&n, l, right[l] * noise(z), left[l] * noise(y), jx);
-            }
         }
     }
     *out = s;
@@ -178,9 +177,8 @@ moments moments_of_flat(const transfer_plan *p, const transfer *t) {
         memcpy(sums.s0, middle, sizeof sums.s0);
         for (int jx = 1; jx <= t->jx; jx++) {
             const ptrdiff_t step = (ptrdiff_t)p->stride * jx;
-            for (size_t l = 0; l < FFT_LANES; l++) {
+            for (size_t l = 0; l < FFT_LANES; l++)
                 add_columns(&sums, l, middle[step + (ptrdiff_t)l], middle[(ptrdiff_t)l - step], jx);
-            }
         }
         add_lanes(&m, &sums, p, first);
     }

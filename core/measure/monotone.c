@@ -16,9 +16,8 @@ double monotone_find_root(const monotone *f, double low, double high, double tol
         const double margin = 1e-3 * (high - low);
         x = (low * at_high - high * at_low) / (at_high - at_low);
         x = fmax(low + margin, fmin(high - margin, x));
-        if (fabs(x - before) < tolerance) {
+        if (fabs(x - before) < tolerance)
             break;
-        }
         const double at = f->at(f->context, x);
         if (at > 0.0) {
             low = x;

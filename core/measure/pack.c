@@ -126,9 +126,8 @@ static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const
                               const strip *st) {
     const surface_grid *g = &plan->grid;
     surface_strip(&ws->galaxy, g, st->x0, st->y0, st->y1, ws->strip.re);
-    if (plan->settings.noise_correction) {
+    if (plan->settings.noise_correction)
         surface_strip(&ws->noise, g, st->x0, st->y0, st->y1, ws->strip.im);
-    }
     if (filter != NULL) {
         filter_lanes(filter->value + st->x0, ws->level, ws->noise_level, (size_t)g->fine_nx, st->y0,
                      st->y1, ws->strip);
@@ -136,9 +135,8 @@ static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const
 }
 
 static void clear_lanes(double *lanes, int y0, int y1) {
-    if (y0 < y1) {
+    if (y0 < y1)
         memset(lanes + (size_t)y0 * FFT_LANES, 0, (size_t)(y1 - y0) * FFT_LANES * sizeof *lanes);
-    }
 }
 
 /* The strip transformed along y. */
@@ -177,9 +175,8 @@ static void transpose_strip(const shear_plan *plan, shear_workspace *ws, fft_lan
     const size_t to = (size_t)x0 * FFT_LANES;
     close_period(from, plan->info.fine_ny);
     for (int group = 0; group <= mode_groups_last(plan, t); group++) {
-        if (!mode_groups_want(plan, t, group)) {
+        if (!mode_groups_want(plan, t, group))
             continue;
-        }
         const size_t up = (size_t)group * BLOCK;
         const size_t down = (size_t)plan->info.fine_ny * FFT_LANES - up;
         const fft_lanes rows = group_lanes(ws, group, UP);
@@ -201,9 +198,8 @@ static void clear_columns(shear_workspace *ws, int x0, int last) {
 static bool load_pair(const shear_plan *plan, shear_workspace *ws, const double *galaxy,
                       const double *noise, pack_failure *failure) {
     failure->in_noise = false;
-    if (!surface_load(&ws->galaxy, &plan->grid, galaxy, &failure->x, &failure->y)) {
+    if (!surface_load(&ws->galaxy, &plan->grid, galaxy, &failure->x, &failure->y))
         return false;
-    }
     failure->in_noise = true;
     return !plan->settings.noise_correction ||
            surface_load(&ws->noise, &plan->grid, noise, &failure->x, &failure->y);
@@ -228,17 +224,15 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);
     photometry_sums sums;
     photometry_begin(&sums, galaxy, noise, g->nx, g->ny, ws->strip_most);
-    if (!as_pixels) {
+    if (!as_pixels)
         *ph = photometry_of(galaxy, noise, g->nx, g->ny, ws->strip_most);
-    }
     set_levels(ws, g, galaxy, noise, levels, own_levels);
     if (levels) {
         sums.noise_origin = ws->noise_level;
         sums.galaxy_origin = ws->level;
     }
-    if (!load_pair(plan, ws, galaxy, noise, failure)) {
+    if (!load_pair(plan, ws, galaxy, noise, failure))
         return false;
-    }
     for (int i = 0; i * FFT_LANES < plan->info.fine_nx; i++) {
         const strip st = strip_at(plan, filter, i);
         if (as_pixels && st.y1 - st.y0 < g->ny) {
@@ -250,13 +244,11 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
         } else {
             clear_columns(ws, st.x0, mode_groups_last(plan, t));
         }
-        if (as_pixels) {
+        if (as_pixels)
             photometry_end_strip(&sums);
-        }
     }
-    if (as_pixels) {
+    if (as_pixels)
         *ph = photometry_end(&sums);
-    }
     return true;
 }
 

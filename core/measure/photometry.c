@@ -9,9 +9,8 @@
 #include <string.h>
 
 static void fill(double *lanes, double value) {
-    for (size_t l = 0; l < FFT_LANES; l++) {
+    for (size_t l = 0; l < FFT_LANES; l++)
         lanes[l] = value;
-    }
 }
 
 void photometry_begin(photometry_sums *s, const double *galaxy, const double *noise, int nx, int ny,
@@ -35,9 +34,8 @@ SHEAR_SIMD static void add_strip(photometry_sums *sums, const double *galaxy, co
     photometry_sums s = *sums; /* a local copy stays in registers */
     for (size_t y = y0; y < y1; y++) {
 #pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
+        for (size_t l = 0; l < FFT_LANES; l++)
             photometry_pixel(&s, l, galaxy[y * step + l], noise[y * step + l]);
-        }
     }
     *sums = s;
 }
@@ -59,9 +57,8 @@ void photometry_add(photometry_sums *s, int x0, int skip, int y0, int y1) {
 
 static bool all_finite(const double *pixels, size_t n) {
     size_t i = 0;
-    while (i < n && isfinite(pixels[i])) {
+    while (i < n && isfinite(pixels[i]))
         i++;
-    }
     return i == n;
 }
 
@@ -76,9 +73,8 @@ static double largest(const double *lanes) {
 
 static double smallest(const double *lanes) {
     double least = lanes[0];
-    for (size_t l = 1; l < FFT_LANES; l++) {
+    for (size_t l = 1; l < FFT_LANES; l++)
         least = lanes[l] < least ? lanes[l] : least;
-    }
     return least;
 }
 
@@ -101,9 +97,8 @@ photometry photometry_end(const photometry_sums *s) {
                     .noise_most = largest(s->noise_most),
                     .noise_least = smallest(s->noise_least),
                     .noise_mean = s->noise_origin + mean};
-    for (int i = 0; i < s->strips; i++) {
+    for (int i = 0; i < s->strips; i++)
         p.galaxy_most = larger(p.galaxy_most, s->most[i]);
-    }
     p.galaxy_flat = p.galaxy_most == p.galaxy_least;
     p.noise_var = p.noise_most > p.noise_least ? var : 0.0;
     /* A NaN or an infinity stays in the sums; finite pixels of 1e308 may make one there. */
@@ -129,9 +124,8 @@ bool photometry_holds(const double *pixels, size_t n, double value) {
     /* Files of floats hold the nearest one. */
     const double narrow = fabs(value) <= (double)FLT_MAX ? (double)(float)value : value;
     size_t i = 0;
-    while (i < n && pixels[i] != value && pixels[i] != narrow) {
+    while (i < n && pixels[i] != value && pixels[i] != narrow)
         i++;
-    }
     return i < n;
 }
 
@@ -144,9 +138,8 @@ static double spacing(double size, int digits) {
 
 static bool all_floats(const double *pixels, size_t n) {
     size_t i = 0;
-    while (i < n && pixels[i] == (double)(float)pixels[i]) {
+    while (i < n && pixels[i] == (double)(float)pixels[i])
         i++;
-    }
     return i == n;
 }
 
@@ -156,9 +149,8 @@ bool photometry_is_rounding(const double *pixels, size_t n, double least, double
     static const double of_floats = 3.0;   /* four neighbouring values: less than half of one rms */
     const double range = most - least;
     const double size = fmax(fabs(least), fabs(most));
-    if (range <= of_doubles * spacing(fmax(size, fabs(peak)), DBL_MANT_DIG)) {
+    if (range <= of_doubles * spacing(fmax(size, fabs(peak)), DBL_MANT_DIG))
         return true;
-    }
     return size <= (double)FLT_MAX && range <= of_floats * spacing(size, FLT_MANT_DIG) &&
            all_floats(pixels, n);
 }
@@ -168,15 +160,13 @@ static SHEAR_INLINE void add_rows(const double *rows, size_t nx, size_t n, doubl
                                   const double *next, double *columns, double *lanes) {
     size_t x = 0;
     for (; x + FFT_LANES <= nx; x += FFT_LANES) {
-        for (size_t y = 0; y < n; y++) {
+        for (size_t y = 0; y < n; y++)
             __builtin_prefetch(next + y * nx + x);
-        }
 #pragma omp simd
         for (size_t l = 0; l < FFT_LANES; l++) {
             double sum = 0.0;
-            for (size_t y = 0; y < n; y++) {
+            for (size_t y = 0; y < n; y++)
                 sum += rows[y * nx + x + l] - origin;
-            }
             columns[x + l] += sum;
             lanes[l] += sum;
         }
@@ -195,20 +185,17 @@ SHEAR_SIMD static double sum_strip(const double *rows, size_t nx, size_t n, doub
     enum { AT_ONCE = 4 };
     double lanes[FFT_LANES] = {0};
     size_t y = 0;
-    for (; y + AT_ONCE <= n; y += AT_ONCE) {
+    for (; y + AT_ONCE <= n; y += AT_ONCE)
         add_rows(rows + y * nx, nx, AT_ONCE, origin, next + y * nx, columns, lanes);
-    }
-    for (; y < n; y++) {
+    for (; y < n; y++)
         add_rows(rows + y * nx, nx, 1, origin, next + y * nx, columns, lanes);
-    }
     return fft_total(lanes);
 }
 
 static double sum_of(const double *values, int n) {
     double lanes[FFT_LANES] = {0};
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         lanes[i % FFT_LANES] += values[i];
-    }
     return fft_total(lanes);
 }
 
@@ -252,9 +239,8 @@ sky_level photometry_level(const double *pixels, int nx, int ny, const double *n
                          pixels[0], next + at, columns);
         all += y[i];
     }
-    for (int i = 0; i < STRIPS; i++) {
+    for (int i = 0; i < STRIPS; i++)
         x[i] = sum_of(columns + along_x.from[i], along_x.from[i + 1] - along_x.from[i]);
-    }
     const double mean = pixels[0] + all / ((double)nx * ny);
     const double s_x = third_difference(x, nx, ny);
     const double s_y = third_difference(y, ny, nx);
@@ -309,8 +295,7 @@ SHEAR_SIMD double photometry_removed(const double *filter, const double *galaxy,
                                      const double *noise, size_t pixels) {
     double removed = 0.0;
 #pragma omp simd reduction(+ : removed)
-    for (size_t i = 0; i < pixels; i++) {
+    for (size_t i = 0; i < pixels; i++)
         removed += (1.0 - filter[i]) * (galaxy[i] - noise[i]);
-    }
     return removed;
 }

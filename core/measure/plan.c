@@ -47,16 +47,13 @@ bool plan_init_filters(filter_map *fine, filter_map *coarse, const shear_plan_in
 static bool make_filter(shear_plan *plan) {
     const shear_plan_info *info = &plan->info;
     plan->filtered = info->filter != SHEAR_FILTER_NONE;
-    if (!plan->filtered || info->filter_per_stamp) {
+    if (!plan->filtered || info->filter_per_stamp)
         return true;
-    }
-    if (!plan_init_filters(&plan->fine, &plan->coarse, info)) {
+    if (!plan_init_filters(&plan->fine, &plan->coarse, info))
         return false;
-    }
     filter_map_fill(&plan->fine, info->core_px, info->width_px);
-    if (info->oversample > 1) {
+    if (info->oversample > 1)
         filter_map_fill(&plan->coarse, info->core_px, info->width_px);
-    }
     return true;
 }
 
@@ -86,9 +83,8 @@ static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) 
         return out_of_memory(err);
     }
     const int code = transfer_make(&plan->transfer, &plan->transfer_plan, &scratch, psf, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     plan->has_psf = true;
     plan->info.k_cut = plan->transfer.k_cut;
     plan->flat = moments_of_flat(&plan->transfer_plan, &plan->transfer);
@@ -112,23 +108,20 @@ static int check_limit(shear_plan *plan, shear_error *err) {
 int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_error *err) {
     *out = NULL;
     CLEANUP(shear_plan_release) shear_plan *plan = calloc(1, sizeof *plan);
-    if (plan == NULL) {
+    if (plan == NULL)
         return out_of_memory(err);
-    }
     plan->settings = plan_settings(request);
     int psf_factor = 1;
     int code = plan_resolve(&plan->info, &plan->settings, request, &psf_factor, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (!make_grids(plan, psf_factor) || !make_filter(plan) || !make_high_band(plan) ||
         !make_plateau(plan)) {
         return out_of_memory(err);
     }
     code = request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
     *out = CLEANUP_TAKE(plan);
     return SHEAR_OK;
@@ -141,9 +134,8 @@ int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, s
     const int code = plan_resolve(&info, &settings, request, &psf_factor, err);
     const memory_of m = {.settings = &settings, .info = &info, .has_psf = request->psf != NULL};
     *memory = (shear_memory){0};
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     memory->plan = memory_of_plan(&m);
     memory->planning = memory_of_planning(&m);
     memory->workspace = memory_of_workspace(&m, memory_last_row(&info));
@@ -165,9 +157,8 @@ int64_t shear_workspace_bytes(const shear_plan *plan) {
 }
 
 void shear_plan_free(shear_plan *plan) {
-    if (plan == NULL) {
+    if (plan == NULL)
         return;
-    }
     surface_grid_deinit(&plan->grid);
     fft_plan_free(plan->along_x);
     fft_plan_free(plan->along_y);
@@ -186,12 +177,10 @@ const char *shear_noise_band_name(enum shear_noise_band band) {
 }
 
 void shear_plan_note_psfs(shear_plan *plan, const shear_psf_quality *each, int n, int unusable) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         shear_psf_summary_add(&plan->info.psf, &each[i], plan->info.beta_px);
-    }
-    for (int i = 0; i < unusable; i++) {
+    for (int i = 0; i < unusable; i++)
         shear_psf_summary_add(&plan->info.psf, NULL, plan->info.beta_px);
-    }
 }
 
 const shear_plan_info *shear_plan_get_info(const shear_plan *plan) {

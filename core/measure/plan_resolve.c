@@ -47,9 +47,8 @@ static int check_psf_size(const shear_plan_info *info, int factor, shear_error *
 /* The smallest power of two with 1/s < r/4. */
 static int finest_needed(double r_psf_px) {
     int s = 1;
-    while (1.0 / s >= r_psf_px / 4.0 && s < 1024) {
+    while (1.0 / s >= r_psf_px / 4.0 && s < 1024)
         s *= 2;
-    }
     return s;
 }
 
@@ -71,9 +70,8 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, in
                             shear_error *err) {
     const double r = info->r_psf_px;
     info->interpolation = set->interpolation;
-    if (shear_interpolation_is_rule(set->interpolation)) {
+    if (shear_interpolation_is_rule(set->interpolation))
         info->interpolation = choose_interpolation(set, info);
-    }
     const bool none = info->interpolation == SHEAR_INTERP_NONE;
     if (!none && set->shot_noise == SHEAR_SHOT_PLATEAU) {
         return shear_fail(err, SHEAR_E_SETTING, "set interpolation=none, or shot-noise=none",
@@ -86,9 +84,8 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, in
     const int given = info->geometry.psf_oversample;
     const bool fine_enough = given > 1 && r * given >= well_sampled_px;
     *psf_factor = 1;
-    while (!none && !fine_enough && given * *psf_factor < info->oversample) {
+    while (!none && !fine_enough && given * *psf_factor < info->oversample)
         *psf_factor *= 2;
-    }
     info->psf_oversample = given * *psf_factor;
     info->fine_nx = info->geometry.nx * info->oversample;
     info->fine_ny = info->geometry.ny * info->oversample;
@@ -107,9 +104,8 @@ static bool filter_by_rule(const shear_settings *set) {
 
 shear_settings plan_settings(const shear_plan_request *request) {
     shear_settings settings;
-    if (request->settings != NULL) {
+    if (request->settings != NULL)
         return *request->settings;
-    }
     shear_settings_init(&settings);
     return settings;
 }
@@ -136,15 +132,13 @@ static int resolve_filter(const shear_settings *set, shear_plan_info *info,
     const double core = found ? request->core_px : set->core_px;
     const bool core_given = !isnan(core);
     info->filter = set->filter;
-    if (filter_by_rule(set)) {
+    if (filter_by_rule(set))
         info->filter = core_given || has_r_gal ? SHEAR_FILTER_PAPER : SHEAR_FILTER_NONE;
-    }
     info->core_px = NAN;
     info->width_px = NAN;
     info->filter_per_stamp = info->filter == SHEAR_FILTER_PAPER && !core_given;
-    if (info->filter == SHEAR_FILTER_NONE) {
+    if (info->filter == SHEAR_FILTER_NONE)
         return SHEAR_OK;
-    }
     if (info->filter_per_stamp && !has_r_gal) {
         return shear_fail(
             err, SHEAR_E_SETTING, "add the column R_GAL, or give a core, or use filter=none",
@@ -170,9 +164,8 @@ static enum shear_noise_band resolve_noise_band(const shear_settings *set,
                                                 const shear_plan_info *info) {
     const bool wanted = set->noise_level == SHEAR_NOISE_LEVEL_FIELD && set->noise_correction &&
                         set->shot_noise == SHEAR_SHOT_NONE;
-    if (!wanted || info->interpolation != SHEAR_INTERP_NONE || info->r_psf_px < well_sampled_px) {
+    if (!wanted || info->interpolation != SHEAR_INTERP_NONE || info->r_psf_px < well_sampled_px)
         return SHEAR_NOISE_BAND_NONE;
-    }
     return info->r_psf_px >= smooth_px ? SHEAR_NOISE_BAND_HIGH : SHEAR_NOISE_BAND_CORNERS;
 }
 
@@ -185,9 +178,8 @@ static int resolve_radii(const shear_settings *set, shear_plan_info *info,
                                           : shear_psf_examine(&quality, request->psf, g->psf_nx,
                                                               g->psf_ny, g->psf_oversample, err);
     info->r_psf_px = quality.r_psf_px;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (!(info->r_psf_px > 0.0) || !isfinite(info->r_psf_px)) {
         return shear_fail(err, SHEAR_E_PSF, NULL, "the PSF's scale radius is %g px",
                           info->r_psf_px);
@@ -195,9 +187,8 @@ static int resolve_radii(const shear_settings *set, shear_plan_info *info,
     info->beta_px = !isnan(set->beta_px)
                         ? set->beta_px
                         : fmax(set->beta_ratio * info->r_psf_px, set->beta_floor_px);
-    if (request->psf != NULL) {
+    if (request->psf != NULL)
         shear_psf_summary_add(&info->psf, &quality, info->beta_px);
-    }
     return SHEAR_OK;
 }
 
@@ -205,21 +196,17 @@ int plan_resolve(shear_plan_info *info, const shear_settings *set,
                  const shear_plan_request *request, int *psf_factor, shear_error *err) {
     info->geometry = request->geometry;
     int code = shear_settings_check(set, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = check_geometry(&info->geometry, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = resolve_radii(set, info, request, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = resolve_sampling(set, info, psf_factor, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     info->noise_band = resolve_noise_band(set, info);
     return resolve_filter(set, info, request, err);
 }

@@ -23,9 +23,8 @@ bool plateau_init(plateau *p, int nx, int ny) {
         .nx = nx, .ny = ny, .last_group = ny / 2 / FFT_LANES, .stride = fft_padded(ny / 2 + 1)};
     const size_t size = (size_t)nx * p->stride;
     p->share = fft_alloc(size * sizeof *p->share);
-    if (p->share == NULL) {
+    if (p->share == NULL)
         return false;
-    }
     memset(p->share, 0, size * sizeof *p->share);
     for (int x = 0; x < nx; x++) {
         for (int jy = 0; jy <= ny / 2; jy++) {
@@ -35,9 +34,8 @@ bool plateau_init(plateau *p, int nx, int ny) {
             p->n += counts;
         }
     }
-    for (size_t i = 0; i < size; i++) {
+    for (size_t i = 0; i < size; i++)
         p->share[i] /= p->n;
-    }
     return true;
 }
 
@@ -75,9 +73,8 @@ SHEAR_SIMD static void sum_noise(const mode_rows *r, const double *share, size_t
 
 static double sum_of(const double *lanes) {
     double sum = 0.0;
-    for (int l = 0; l < FFT_LANES; l++) {
+    for (int l = 0; l < FFT_LANES; l++)
         sum += lanes[l];
-    }
     return sum;
 }
 

@@ -36,9 +36,8 @@ int psf_check(const double *psf, int nx, int ny, double *peak, shear_error *err)
     double sum;
     if (!scan(psf, n, &sum, peak)) {
         long i = 0;
-        while (i < n - 1 && isfinite(psf[i])) {
+        while (i < n - 1 && isfinite(psf[i]))
             i++;
-        }
         return shear_fail(err, SHEAR_E_PSF, advice, "the PSF is not finite at sample (%ld, %ld)",
                           i % nx + 1, i / nx + 1);
     }
@@ -73,9 +72,8 @@ static bool log_patch(const psf_view *v, int i, int j, double patch[4][4]) {
     for (int b = 0; b < 4; b++) {
         for (int a = 0; a < 4; a++) {
             const double value = sample(v, i - 1 + a, j - 1 + b);
-            if (!(value > 0.0)) {
+            if (!(value > 0.0))
                 return false;
-            }
             patch[b][a] = log(value);
         }
     }
@@ -84,9 +82,8 @@ static bool log_patch(const psf_view *v, int i, int j, double patch[4][4]) {
 
 static double patch_at(double patch[4][4], double t, double u) {
     double column[4];
-    for (int b = 0; b < 4; b++) {
+    for (int b = 0; b < 4; b++)
         column[b] = cubic(patch[b][0], patch[b][1], patch[b][2], patch[b][3], t);
-    }
     return cubic(column[0], column[1], column[2], column[3], u);
 }
 
@@ -96,9 +93,8 @@ static double log_at(const psf_view *v, double x, double y) {
     const int i = (int)floor(x);
     const int j = (int)floor(y);
     double patch[4][4];
-    if (log_patch(v, i, j, patch)) {
+    if (log_patch(v, i, j, patch))
         return patch_at(patch, x - i, y - j);
-    }
     const double nearest = sample(v, (int)lround(x), (int)lround(y));
     return nearest > 0.0 ? log(nearest) : -INFINITY;
 }
@@ -151,9 +147,8 @@ static void cell_heights(const psf_view *v, int i, int j, int refine, double lev
  * straight. */
 static double triangle(double a, double b, double c) {
     const int above = (a > 0) + (b > 0) + (c > 0);
-    if (above == 0 || above == 3) {
+    if (above == 0 || above == 3)
         return above == 3 ? 1.0 : 0.0;
-    }
     /* Bring the corner that is alone on its side to a. */
     const int lone_sign = above == 1 ? 1 : 0;
     if ((b > 0) == lone_sign) {
@@ -227,20 +222,17 @@ static int cell_side(const psf_view *v, int i, int j, double level) {
 int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
                      shear_error *err) {
     double largest;
-    if (psf_check(psf, nx, ny, &largest, err) != SHEAR_OK) {
+    if (psf_check(psf, nx, ny, &largest, err) != SHEAR_OK)
         return SHEAR_E_PSF;
-    }
     const psf_view view = {.psf = psf, .nx = nx, .ny = ny};
     long brightest = 0;
     long above = 0; /* samples above the level: about the area, for choosing the refinement */
-    for (long i = 1; i < (long)nx * ny; i++) {
+    for (long i = 1; i < (long)nx * ny; i++)
         brightest = psf[i] > psf[brightest] ? i : brightest;
-    }
     const double peak = peak_near(&view, (int)(brightest % nx), (int)(brightest / nx));
     const double level = exp(-0.5) * peak;
-    for (long i = 0; i < (long)nx * ny; i++) {
+    for (long i = 0; i < (long)nx * ny; i++)
         above += psf[i] > level;
-    }
     const int refine = above < 16 ? MAX_REFINE : above < 256 ? 8 : above < 4096 ? 2 : 1;
     double area = 0.0;
     for (int j = -1; j < ny; j++) {

@@ -31,9 +31,8 @@ static double at(const psf_image *v, int x, int y) {
 static psf_image psf_image_of(const double *psf, int nx, int ny) {
     psf_image v = {.psf = psf, .nx = nx, .ny = ny};
     size_t best = 0;
-    for (size_t i = 1; i < (size_t)nx * (size_t)ny; i++) {
+    for (size_t i = 1; i < (size_t)nx * (size_t)ny; i++)
         best = psf[i] > psf[best] ? i : best;
-    }
     v.x = (int)(best % (size_t)nx);
     v.y = (int)(best / (size_t)nx);
     return v;
@@ -46,21 +45,18 @@ static double brighter(double a, double b) {
 static double brightest_edge(const double *psf, int nx, int ny) {
     const double *last = psf + (size_t)(ny - 1) * (size_t)nx;
     double most = psf[0];
-    for (int x = 0; x < nx; x++) {
+    for (int x = 0; x < nx; x++)
         most = brighter(most, brighter(psf[x], last[x]));
-    }
-    for (const double *row = psf; row <= last; row += nx) {
+    for (const double *row = psf; row <= last; row += nx)
         most = brighter(most, brighter(row[0], row[nx - 1]));
-    }
     return most;
 }
 
 static bool all_equal(const psf_image *v) {
     const size_t n = (size_t)v->nx * (size_t)v->ny;
     size_t i = 1;
-    while (i < n && v->psf[i] == v->psf[0]) {
+    while (i < n && v->psf[i] == v->psf[0])
         i++;
-    }
     return i == n;
 }
 
@@ -113,9 +109,8 @@ static int refuse_edge(const psf_image *v, double edge, shear_error *err) {
 
 int shear_psf_usable(const double *psf, int nx, int ny, shear_error *err) {
     double peak;
-    if (psf_check(psf, nx, ny, &peak, err) != SHEAR_OK) {
+    if (psf_check(psf, nx, ny, &peak, err) != SHEAR_OK)
         return SHEAR_E_PSF;
-    }
     const double edge = brightest_edge(psf, nx, ny);
     if (edge > edge_max * peak) {
         const psf_image v = psf_image_of(psf, nx, ny);
@@ -157,9 +152,8 @@ static void rings_fill(rings *r, const psf_image *v) {
         }
     }
     /* What is masked is no border: the rim is where the image begins to be something. */
-    while (r->n > 1 && r->zeros[r->n] > 0.9 * r->count[r->n]) {
+    while (r->n > 1 && r->zeros[r->n] > 0.9 * r->count[r->n])
         r->n--;
-    }
 }
 
 typedef struct ring_level {
@@ -192,9 +186,8 @@ static double fourth_difference(const psf_image *v, int x, int y, double near) {
     double s[5];
     for (int i = 0; i < 5; i++) {
         s[i] = at(v, x - 2 + i, y);
-        if (s[i] == 0.0 || hypot(x - 2 + i - v->x, y - v->y) < near) {
+        if (s[i] == 0.0 || hypot(x - 2 + i - v->x, y - v->y) < near)
             return NAN;
-        }
     }
     return s[0] + s[4] - 4.0 * (s[1] + s[3]) + 6.0 * s[2];
 }
@@ -208,14 +201,12 @@ static double noise_of(const psf_image *v, double near) {
         const int x = (int)(i % v->nx);
         if (x >= 2 && x < v->nx - 2) {
             const double d = fourth_difference(v, x, (int)(i / v->nx), near);
-            if (!isnan(d)) {
+            if (!isnan(d))
                 found[n++] = fabs(d);
-            }
         }
     }
-    if (n < NOISE_MIN) {
+    if (n < NOISE_MIN)
         return NAN;
-    }
     sort_doubles(found, (size_t)n);
     return found[n / 2] / 0.6745 / sqrt(70.0);
 }
@@ -225,9 +216,8 @@ static double noise_of(const psf_image *v, double near) {
 /* The slope between two wide annuli: Airy rings are not to be taken for it. NaN where the outer one
  * is no more than noise. */
 static double slope_of(const ring_level *inner, const ring_level *outer, double noise) {
-    if (!(outer->mean > 0.0)) {
+    if (!(outer->mean > 0.0))
         return INFINITY;
-    }
     const bool seen = isnan(noise) || outer->mean > 3.0 * noise / sqrt(outer->count);
     return seen ? log(inner->mean / outer->mean) / log(outer->distance / inner->distance)
                 : (double)NAN;
@@ -375,9 +365,8 @@ void shear_psf_summary_add(shear_psf_summary *s, const shear_psf_quality *q, dou
         return;
     }
     const unsigned flaws = shear_psf_flaws(q, beta_px);
-    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++)
         s->flawed[i] += (flaws >> i) & 1u;
-    }
     if (s->looked_at - s->unusable == 1) {
         s->worst = *q;
     } else {

@@ -26,9 +26,8 @@ static double *table(const radial *q) {
 }
 
 static void fill(radial *q, double step_k, double scale2) {
-    for (int i = 0; i < q->n_r; i++) {
+    for (int i = 0; i < q->n_r; i++)
         q->r[i] = (i + 0.5) * RADIAL_STEP;
-    }
     for (int j = 0; j < q->n_k; j++) {
         const double k = (j + 0.5) * step_k;
         q->k[j] = k;
@@ -90,9 +89,8 @@ void radial_deinit(radial *q) {
 static double transform(const radial *q, const double *bessel, int j, const double *value) {
     const double *row = bessel + (size_t)j * (size_t)q->n_r;
     double sum = 0.0;
-    for (int i = 0; i < q->n_r; i++) {
+    for (int i = 0; i < q->n_r; i++)
         sum += value[i] * q->r[i] * row[i];
-    }
     return sum;
 }
 
@@ -100,9 +98,8 @@ static double transform(const radial *q, const double *bessel, int j, const doub
  * B = W k (A/W)' = k A' + r_psf^2 k^2 A. The factor 2 pi RADIAL_STEP is left out. */
 static double change_at(radial *q, int j) {
     const double k = q->k[j];
-    for (int i = 0; i < q->n_r; i++) {
+    for (int i = 0; i < q->n_r; i++)
         q->filtered[i] = q->profile[i] * q->r[i];
-    }
     const double a = transform(q, q->j0, j, q->profile);
     return -k * transform(q, q->j1, j, q->filtered) + q->r_psf * q->r_psf * k * k * a;
 }
@@ -124,9 +121,8 @@ void radial_load(radial *q) {
     memset(q->lensed, 0, (size_t)q->n_r * sizeof *q->lensed);
     for (int j = 0; j < q->n_k; j++) {
         const double b = change_at(q, j) * q->k[j] * step_k;
-        for (int i = 0; i < q->n_r; i++) {
+        for (int i = 0; i < q->n_r; i++)
             q->lensed[i] += b * q->j2[(size_t)j * (size_t)q->n_r + (size_t)i];
-        }
     }
     q->unfiltered = ratio(q, q->profile, q->lensed);
 }

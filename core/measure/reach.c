@@ -36,9 +36,8 @@ static void measure_rings(reach *r) {
             }
         }
     }
-    for (int i = 0; i < r->n_rings; i++) {
+    for (int i = 0; i < r->n_rings; i++)
         r->radius[i] = r->pixels[i] > 0.0 ? r->radius[i] / r->pixels[i] : i + 0.5;
-    }
 }
 
 bool reach_init(reach *r, int nx, int ny, int capacity) {
@@ -72,9 +71,8 @@ void reach_deinit(reach *r) {
 SHEAR_SIMD static double mean_of(const double *pixel, int n) {
     double sum = 0.0;
 #pragma omp simd reduction(+ : sum)
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         sum += pixel[i];
-    }
     return sum / n;
 }
 
@@ -82,18 +80,15 @@ void reach_add(reach *r, const double *galaxy, const double *noise) {
     const int pixels = r->nx * r->ny;
     double *mean = r->mean + (size_t)r->count * (size_t)r->n_rings;
     const double level = mean_of(noise, pixels);
-    if (r->count == r->capacity || !isfinite(level) || !isfinite(mean_of(galaxy, pixels))) {
+    if (r->count == r->capacity || !isfinite(level) || !isfinite(mean_of(galaxy, pixels)))
         return;
-    }
     memset(mean, 0, (size_t)r->n_rings * sizeof *mean);
     for (int i = 0; i < pixels; i++) {
-        if (r->ring[i] >= 0) {
+        if (r->ring[i] >= 0)
             mean[r->ring[i]] += galaxy[i];
-        }
     }
-    for (int i = 0; i < r->n_rings; i++) {
+    for (int i = 0; i < r->n_rings; i++)
         mean[i] = r->pixels[i] > 0.0 ? mean[i] / r->pixels[i] - level : 0.0;
-    }
     r->count++;
 }
 
@@ -102,26 +97,23 @@ void reach_add(reach *r, const double *galaxy, const double *noise) {
 static double flux_within(const reach *r, int stamp, double radius) {
     const double *mean = r->mean + (size_t)stamp * (size_t)r->n_rings;
     double flux = 0.0;
-    for (int i = 0; i < r->n_rings && r->radius[i] < radius; i++) {
+    for (int i = 0; i < r->n_rings && r->radius[i] < radius; i++)
         flux += r->pixels[i] * mean[i];
-    }
     return flux;
 }
 
 /* Every ring times its stamp's flux, which is how much the moments heed it; a flux that is negative
  * or among the brightest counts 0. Returns how many are left. */
 static int weigh(reach *r, double aperture) {
-    for (int s = 0; s < r->count; s++) {
+    for (int s = 0; s < r->count; s++)
         r->sorted[s] = flux_within(r, s, aperture);
-    }
     sort_doubles(r->sorted, (size_t)r->count);
     const double brightest = r->sorted[r->count - 1 - r->count / TRIMMED];
     int left = 0;
     for (int s = 0; s < r->count; s++) {
         const double flux = flux_within(r, s, aperture);
-        if (flux > brightest) {
+        if (flux > brightest)
             continue;
-        }
         for (int i = 0; i < r->n_rings; i++) {
             const double value = r->mean[(size_t)s * (size_t)r->n_rings + (size_t)i];
             r->mean[(size_t)left * (size_t)r->n_rings + (size_t)i] = fmax(flux, 0.0) * value;
@@ -138,13 +130,11 @@ static double ring_mean(reach *r, int i, double *error) {
     const int cut = n / TRIMMED;
     double sum = 0.0;
     double squares = 0.0;
-    for (int s = 0; s < n; s++) {
+    for (int s = 0; s < n; s++)
         r->sorted[s] = r->mean[(size_t)s * (size_t)r->n_rings + (size_t)i];
-    }
     sort_doubles(r->sorted, (size_t)n);
-    for (int s = cut; s < n - cut; s++) {
+    for (int s = cut; s < n - cut; s++)
         sum += r->sorted[s];
-    }
     const double mean = sum / (n - 2 * cut);
     for (int s = 0; s < n; s++) {
         const int kept = s < cut ? cut : s < n - cut ? s : n - cut - 1;
@@ -160,9 +150,8 @@ static int stack(reach *r) {
     for (int i = 0; i < r->n_rings; i++) {
         double error;
         r->profile[i] = ring_mean(r, i, &error);
-        if (last == i - 1 && r->profile[i] > seen * error && r->profile[i] > 0.0) {
+        if (last == i - 1 && r->profile[i] > seen * error && r->profile[i] > 0.0)
             last = i;
-        }
     }
     return last;
 }
@@ -172,16 +161,13 @@ static int stack(reach *r) {
 /* The profile at any radius: as it was seen, then with the slope of the last 40 % of what was. */
 static double profile_at(const reach *r, int last, double fall, double radius) {
     assert(last >= 0 && last < r->n_rings);
-    if (radius >= r->radius[last]) {
+    if (radius >= r->radius[last])
         return r->profile[last] * exp(fall * (sqrt(r->radius[last]) - sqrt(radius)));
-    }
     int i = 0;
-    while (r->radius[i + 1] <= radius) {
+    while (r->radius[i + 1] <= radius)
         i++;
-    }
-    if (radius <= r->radius[0]) {
+    if (radius <= r->radius[0])
         return r->profile[0];
-    }
     const double x = (radius - r->radius[i]) / (r->radius[i + 1] - r->radius[i]);
     return r->profile[i] + x * (r->profile[i + 1] - r->profile[i]);
 }
@@ -190,9 +176,8 @@ static void load(const reach *r, int last, radial *q) {
     const int from = (int)(0.6 * last);
     const double at = sqrt(r->radius[last]);
     const double fall = log(r->profile[from] / r->profile[last]) / (at - sqrt(r->radius[from]));
-    for (int i = 0; i < q->n_r; i++) {
+    for (int i = 0; i < q->n_r; i++)
         q->profile[i] = profile_at(r, last, fmax(fall, 2.0 * slowest_fall / at), q->r[i]);
-    }
     radial_load(q);
 }
 
@@ -205,9 +190,8 @@ static double smallest_core(const reach *r, radial *q, double beta, double width
     const int side = r->nx < r->ny ? r->nx : r->ny;
     int low = (int)ceil(2.0 * beta * CORES_PER_PX);
     int high = (side - 1) * CORES_PER_PX / 2;
-    if (low > high || !whole(q, high, width)) {
+    if (low > high || !whole(q, high, width))
         return NAN;
-    }
     while (low < high) {
         const int middle = (low + high) / 2;
         if (whole(q, middle, width)) {
@@ -222,9 +206,8 @@ static double smallest_core(const reach *r, radial *q, double beta, double width
 bool reach_core(reach *r, double r_psf, double beta, double width, double *core) {
     *core = NAN;
     const int last = r->count < FEWEST || weigh(r, 2.0 * beta) < FEWEST ? -1 : stack(r);
-    if (last < 3) {
+    if (last < 3)
         return true;
-    }
     radial q;
     const bool made = radial_init(&q, 0.7 * (r->nx > r->ny ? r->nx : r->ny), r_psf, beta);
     if (made) {

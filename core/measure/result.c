@@ -50,9 +50,8 @@ typedef struct combination {
 static double product_of(const rounded *r, const combination *a, const combination *b) {
     double sum = 0.0;
     for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
-        for (int j = 0; j < SHEAR_N_COMPONENTS; j++) {
+        for (int j = 0; j < SHEAR_N_COMPONENTS; j++)
             sum += a->c[i] != 0.0 && b->c[j] != 0.0 ? a->c[i] * b->c[j] * product(r, i, j) : 0.0;
-        }
     }
     return sum;
 }
@@ -79,9 +78,8 @@ static combination of_ratio(const rounded *r, int n, int noise_n, double g) {
     c.c[noise_n] = 1.0 - r->at_level.level;
     c.c[SHEAR_C_D] = -g;
     c.c[SHEAR_C_NOISE_D] = -g * (1.0 - r->at_level.level);
-    for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
+    for (int i = 0; i < SHEAR_N_COMPONENTS; i++)
         c.c[i] -= by_level * level.c[i];
-    }
     return c;
 }
 
@@ -103,9 +101,8 @@ static void fill_shear(shear_result *out, const rounded *r) {
     out->g1_err = sqrt(fmax(0.0, product_of(r, &e1, &e1))) / d;
     out->g2_err = sqrt(fmax(0.0, product_of(r, &e2, &e2))) / d;
     out->cov12 = product_of(r, &e1, &e2) / (d * d);
-    if (!(product(r, SHEAR_C_D, SHEAR_C_D) > smallest_square)) {
+    if (!(product(r, SHEAR_C_D, SHEAR_C_D) > smallest_square))
         out->g1_err = out->g2_err = out->cov12 = NAN;
-    }
     out->delta_g1_err = out->g1_err;
     out->delta_g2_err = out->g2_err;
 }
@@ -162,12 +159,10 @@ static void fill_shape(shear_result *out, const rounded *r) {
 static void fill_noise(shear_result *out, const rounded *r) {
     const combination level = of_level(r);
     out->noise_share = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] / out->sum_d;
-    if (r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] > 0.0) {
+    if (r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] > 0.0)
         out->high_galaxy = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] / r->t[SHEAR_S_W];
-    }
-    if (!(r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE] > 0.0)) {
+    if (!(r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE] > 0.0))
         return;
-    }
     out->noise_level = r->at_level.level;
     out->noise_level_err = sqrt(fmax(0.0, product_of(r, &level, &level)));
     out->noise_effect = (r->at_level.level - 1.0) * out->noise_share;
@@ -195,17 +190,15 @@ static void fill_diagnostics(shear_result *r, const double *t) {
 }
 
 const char *shear_error_method(const shear_result *r) {
-    if (r->jackknife > 0) {
+    if (r->jackknife > 0)
         return "jackknife";
-    }
     return shear_estimator_is_symmetric(r->estimator) ? "symmetry" : "delta";
 }
 
 static rounded round_sums(const shear_field_sums *f) {
     rounded r;
-    for (int i = 0; i < SHEAR_N_TERMS; i++) {
+    for (int i = 0; i < SHEAR_N_TERMS; i++)
         r.t[i] = exact_value(f->sums, i);
-    }
     r.at_level = shear_ratio_of(r.t + SHEAR_S_COMPONENT);
     return r;
 }
@@ -236,18 +229,14 @@ static bool no_difference(const rounded *r, double n) {
 
 /* Why there is no shear; SHEAR_HAS_SHEAR where there may be one. */
 static enum shear_no_shear no_shear(const shear_result *out, const rounded *r) {
-    if (out->n_used < 2) {
+    if (out->n_used < 2)
         return SHEAR_NO_STAMPS;
-    }
-    if (r->t[SHEAR_S_W] == 0.0) {
+    if (r->t[SHEAR_S_W] == 0.0)
         return SHEAR_NO_WEIGHT;
-    }
-    if (no_difference(r, (double)out->n_used)) {
+    if (no_difference(r, (double)out->n_used))
         return SHEAR_NO_DIFFERENCE;
-    }
-    if (out->signal <= -least_signal) {
+    if (out->signal <= -least_signal)
         return r->t[SHEAR_S_POWER] < 0.0 ? SHEAR_SWAPPED : SHEAR_TOO_NARROW;
-    }
     const bool only_one = fabs(out->n_eff - 1.0) < 1e-6; /* counts: what error? */
     return out->signal >= least_signal && !only_one ? SHEAR_HAS_SHEAR : SHEAR_NO_SIGNAL;
 }
@@ -285,9 +274,8 @@ shear_result result_unknown(void) {
                                &r.border_step_y_err,
                                &r.border_step2,
                                &r.border_step2_err};
-    for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++) {
+    for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++)
         *unknown[i] = (double)NAN;
-    }
     return r;
 }
 
@@ -318,9 +306,8 @@ void shear_field_result(const shear_field_sums *f, shear_result *out) {
 noise_shape noise_shape_of(const shear_field_sums *f) {
     const rounded r = round_sums(f);
     const double high = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
-    if (!(high > 0.0)) {
+    if (!(high > 0.0))
         return (noise_shape){0};
-    }
     return (noise_shape){.n1 = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_N1] / high,
                          .n2 = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_N2] / high,
                          .d = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] / high,

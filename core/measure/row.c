@@ -76,9 +76,8 @@ void row_fill_moments(shear_row *row, const moments *m, double beta) {
     row->d = m->m20 + m->m02 - 0.5 * beta * beta * m->m4;
     double terms[SHEAR_N_TERMS];
     const double cross = row->cross_n1 + row->cross_n2 + row->cross_d + row->cross_u + row->cross_v;
-    if (!block_terms(row, terms) || !isfinite(m->m4) || !isfinite(m->u + m->v + cross)) {
+    if (!block_terms(row, terms) || !isfinite(m->m4) || !isfinite(m->u + m->v + cross))
         row_init(row, row->stamp, row->weight, SHEAR_FLAG_OVERFLOW);
-    }
 }
 
 void row_fill_noise(shear_row *row, const spectra *sp, const shear_plan *plan) {

@@ -17,23 +17,20 @@ SHEAR_SIMD static int count_equal(const double *strip, size_t nx, size_t ny, dou
     int lanes[FFT_LANES] = {0};
     for (size_t y = 0; y < ny; y++) {
 #pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
+        for (size_t l = 0; l < FFT_LANES; l++)
             lanes[l] += strip[y * nx + l] == value ? 1 : 0;
-        }
     }
     int n = 0;
-    for (size_t l = 0; l < FFT_LANES; l++) {
+    for (size_t l = 0; l < FFT_LANES; l++)
         n += lanes[l];
-    }
     return n;
 }
 
 bool saturation_suspected(const artefact_pair *pair, double sigma) {
     const double most = pair->ph->galaxy_most;
     int n = 0;
-    if (!(sigma > 0.0) || !(most > pair->ph->noise_mean + above_sky * sigma)) {
+    if (!(sigma > 0.0) || !(most > pair->ph->noise_mean + above_sky * sigma))
         return false;
-    }
     for (int i = 0; i * FFT_LANES < pair->nx && n < LEAST; i++) {
         if (pair->strip_most[i] == most) {
             n += count_equal(pair->galaxy + artefact_strip_start(pair, i), (size_t)pair->nx,
@@ -94,9 +91,8 @@ static bool is_unlikely(int n, double expected) {
 artefact saturation_find(const artefact_pair *pair, double sigma) {
     const artefact none = {.x = -1, .y = -1};
     const double step = step_of(pair);
-    if (!isfinite(step)) {
+    if (!isfinite(step))
         return none;
-    }
     const double window = fmax(window_sigma * sigma, 2.0 * step);
     const top t = top_of(pair, window);
     const double expected = (t.n_near + 2) * step / window;

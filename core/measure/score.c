@@ -47,9 +47,8 @@ void scores_deinit(scores *s) {
 static void powers(int i, int bins, int n, double *power) {
     const double t = (i + 0.5) / bins;
     power[0] = t;
-    for (int k = 1; k < n; k++) {
+    for (int k = 1; k < n; k++)
         power[k] = power[k - 1] * t;
-    }
 }
 
 /* Solve the n normal equations m c = r, m symmetric; a coefficient that the data do not tell is 0.
@@ -57,25 +56,22 @@ static void powers(int i, int bins, int n, double *power) {
 static void solve_normal(double m[SCORE_TERMS][SCORE_TERMS], double *r, int n, double *c) {
     static const double singular = 1e-9;
     double diagonal[SCORE_TERMS];
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n; k++)
         diagonal[k] = m[k][k];
-    }
     for (int k = 0; k < n; k++) {
         const bool told = m[k][k] > singular * diagonal[k];
         for (int i = k + 1; i < n && told; i++) {
             const double factor = m[i][k] / m[k][k];
-            for (int j = k; j < n; j++) {
+            for (int j = k; j < n; j++)
                 m[i][j] -= factor * m[k][j];
-            }
             r[i] -= factor * r[k];
         }
         m[k][k] = told ? m[k][k] : 0.0;
     }
     for (int k = n - 1; k >= 0; k--) {
         double rest = r[k];
-        for (int j = k + 1; j < n; j++) {
+        for (int j = k + 1; j < n; j++)
             rest -= m[k][j] * c[j];
-        }
         c[k] = m[k][k] > 0.0 ? rest / m[k][k] : 0.0;
     }
 }
@@ -90,18 +86,16 @@ void score_curve(const double *fall, const double *size, int bins, int terms, do
         powers(i, bins, terms, t);
         for (int k = 0; k < terms; k++) {
             r[k] += fall[i] * t[k];
-            for (int j = 0; j < terms; j++) {
+            for (int j = 0; j < terms; j++)
                 m[k][j] += size[i] * t[k] * t[j];
-            }
         }
     }
     solve_normal(m, r, terms, c);
     for (int i = 0; i < bins; i++) {
         powers(i, bins, terms, t);
         score[i] = 0.0;
-        for (int k = 0; k < terms; k++) {
+        for (int k = 0; k < terms; k++)
             score[i] += c[k] * t[k];
-        }
     }
 }
 
@@ -110,9 +104,8 @@ static void set_scores(const scores *s, const double *fall, const double *size, 
         score_curve(fall, size, s->bins, s->terms, score);
         return;
     }
-    for (int i = 0; i < s->bins; i++) {
+    for (int i = 0; i < s->bins; i++)
         score[i] = size[i] > 0.0 ? fall[i] / size[i] : 0.0;
-    }
 }
 
 /* Each group's falls and sizes, and behind them those of all. */
@@ -140,9 +133,8 @@ void scores_fit(scores *s, const sign_histogram *h, double g, double width) {
         s->fall[i] = s->fall[all + i % nb] - s->fall[i];
         s->size[i] = s->size[all + i % nb] - s->size[i];
     }
-    for (size_t k = 0; k < SIGN_GROUPS; k++) {
+    for (size_t k = 0; k < SIGN_GROUPS; k++)
         set_scores(s, s->fall + k * nb, s->size + k * nb, s->without + k * nb);
-    }
     set_scores(s, s->fall + all, s->size + all, s->all);
 }
 
@@ -151,8 +143,7 @@ double scores_slope(scores *s, const sign_histogram *h, double g, double half) {
     double sum = 0.0;
     sign_histogram_count_groups(h, g - half, &s->at[0]);
     sign_histogram_count_groups(h, g + half, &s->at[1]);
-    for (size_t i = 0; i < all; i++) {
+    for (size_t i = 0; i < all; i++)
         sum += s->without[i] * (double)(s->at[0].difference[i] - s->at[1].difference[i]);
-    }
     return sum / (2.0 * half);
 }

@@ -73,9 +73,8 @@ static void try_at(const sampled_psf *v, double x, double y, double least, summi
     const double here = at(v, x, y);
     const double ratio = ratio_of(here, at(v, x - v->q, y), at(v, x + v->q, y), at(v, x, y - v->q),
                                   at(v, x, y + v->q));
-    if (here > least && ratio > best->ratio) {
+    if (here > least && ratio > best->ratio)
         *best = (summit){.ratio = ratio, .x = x, .y = y};
-    }
 }
 
 /* From the best place on, with halved steps: of a narrow PSF the ratio is a sharp peak, too. */
@@ -103,14 +102,12 @@ static double largest_ratio(const sampled_psf *v, double least) {
         for (int x = -1; x < v->nx; x++) {
             const double near = fmax(fmax(sample(v, x, y), sample(v, x + 1, y)),
                                      fmax(sample(v, x, y + 1), sample(v, x + 1, y + 1)));
-            if (near > least) {
+            if (near > least)
                 try_places(v, x, y, least, &best);
-            }
         }
     }
-    if (best.ratio > 1.0) {
+    if (best.ratio > 1.0)
         climb(v, least, &best);
-    }
     return best.ratio;
 }
 
@@ -124,13 +121,11 @@ sharpness sharpness_of(const double *psf, int nx, int ny, int q) {
         sum += psf[i];
     }
     sharpness s = {.ratio = largest_ratio(&v, faint * peak), .leak = 0.0};
-    if (!(peak > 0.0) || !(sum > 0.0) || !isfinite(s.ratio)) {
+    if (!(peak > 0.0) || !(sum > 0.0) || !isfinite(s.ratio))
         return (sharpness){.ratio = INFINITY};
-    }
     for (int y = 0; y < ny; y++) {
-        for (int x = 0; x < nx; x++) {
+        for (int x = 0; x < nx; x++)
             s.leak = fmax(s.leak, excess_at(&v, x, y, s.ratio));
-        }
     }
     s.leak *= (double)q * q / sum; /* the sum of its pixels is sum / q^2 */
     return s;

@@ -65,18 +65,16 @@ void sign_histogram_count_groups(const sign_histogram *h, double g, sign_counts 
 
 int64_t sign_histogram_balance(const sign_histogram *h, double g) {
     int64_t sum = 0;
-    for (size_t i = 0; i < h->n; i++) {
+    for (size_t i = 0; i < h->n; i++)
         sum += (int64_t)h->weight[i] * side_of(h->x[i] - g * h->b[i]);
-    }
     return sum;
 }
 
 void sign_histogram_quantiles(const sign_histogram *h, double g, double *scratch, double *edge) {
     size_t n = 0;
     for (size_t i = 0; i < h->n; i++) {
-        if (h->weight[i] > 0) {
+        if (h->weight[i] > 0)
             scratch[n++] = fabs(h->x[i] - g * h->b[i]);
-        }
     }
     assert(n > 0);
     sort_doubles(scratch, n);

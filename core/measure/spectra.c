@@ -7,13 +7,11 @@ static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows 
     const transfer_plan *p = &plan->transfer_plan;
     if (rows->group * FFT_LANES <= t->jy) {
         moments_add(&s->difference, plan->settings.noise_correction ? &s->noise : NULL, rows, p, t);
-        if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
+        if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS)
             moments_add_cross(&s->cross, rows, p, t);
-        }
     }
-    if (high_band_wants(&plan->high, rows->group)) {
+    if (high_band_wants(&plan->high, rows->group))
         high_power_add(&s->high, &plan->high, rows);
-    }
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
         s->shot += plateau_part(&plan->plateau, rows);
         s->noise_shot += plateau_of_noise(&plan->plateau, rows);
@@ -23,9 +21,8 @@ static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows 
 spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
     spectra s = {0};
     for (int group = 0; group <= mode_groups_last(plan, t); group++) {
-        if (!mode_groups_want(plan, t, group)) {
+        if (!mode_groups_want(plan, t, group))
             continue;
-        }
         const mode_rows rows = pack_transform_rows(plan, ws, group);
         if (group == 0) { /* Z(0) = sum of galaxy + i sum of noise */
             s.flux = rows.up.re[0] - rows.up.im[0];

@@ -51,9 +51,8 @@ void surface_grid_deinit(surface_grid *g) {
 /* Slopes stay zero under the linear methods, and what is beyond the pixels always. */
 bool surface_init(surface *s, const surface_grid *g) {
     *s = (surface){0};
-    if (g->x.kind == AXIS_NONE) {
+    if (g->x.kind == AXIS_NONE)
         return true;
-    }
     const size_t n = g->wide * g->high;
     s->rows = fft_zeros(n);
     s->row_slopes = fft_zeros(n);
@@ -106,9 +105,8 @@ SHEAR_SIMD static void log_row(const double *pixels, size_t n, double pedestal, 
 static void find_negative(const surface_grid *g, const double *pixels, double limit, int *bad_x,
                           int *bad_y) {
     int i = 0;
-    while (!(pixels[i] + g->pedestal < limit)) {
+    while (!(pixels[i] + g->pedestal < limit))
         i++;
-    }
     *bad_x = i % g->x.n;
     *bad_y = i / g->x.n;
 }
@@ -131,9 +129,8 @@ static void transpose(const surface_grid *g, const double *in, double *out) {
         for (size_t x = 0; x < g->wide; x += FFT_LANES) {
             double block[FFT_LANES * FFT_LANES];
             fft_transpose(in + y * g->wide + x, (ptrdiff_t)g->wide, block);
-            for (size_t c = 0; c < FFT_LANES; c++) {
+            for (size_t c = 0; c < FFT_LANES; c++)
                 memcpy(out + (x + c) * g->high + y, block + c * FFT_LANES, FFT_LANES * sizeof *out);
-            }
         }
     }
 }
@@ -168,16 +165,14 @@ static void load_marked_slopes(surface *s, const surface_grid *g) {
     mark_slopes(g, s->f, s->f, s->fy, false);
     mark_slopes(g, s->f, s->fx, s->fxy, false);
     mark_slopes(g, s->f, s->fy, other, true);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         s->fxy[i] = 0.5 * (s->fxy[i] + other[i]);
-    }
 }
 
 bool surface_load(surface *s, const surface_grid *g, const double *pixels, int *bad_x, int *bad_y) {
     s->pixels = pixels;
-    if (g->x.kind == AXIS_NONE) {
+    if (g->x.kind == AXIS_NONE)
         return true;
-    }
     double tiny = 0.0;
     s->marked = false;
     if (g->log) {
@@ -207,9 +202,8 @@ bool surface_load(surface *s, const surface_grid *g, const double *pixels, int *
 static SHEAR_INLINE void mix(axis_weights w, const double *f_left, const double *f_right,
                              const double *e_left, const double *e_right, size_t n, double *out) {
 #pragma omp simd
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         out[i] = w.a * f_left[i] + w.b * f_right[i] + w.c * e_left[i] + w.d * e_right[i];
-    }
 }
 
 /* A strip along x: from [x][y] to [y][FFT_LANES], FFT_LANES rows at a time. */
@@ -264,9 +258,8 @@ static void mix_marked_rows(const surface *s, const axis_point *y, int y0, int y
 
 SHEAR_SIMD static void undo_log(double *values, size_t n, double pedestal) {
 #pragma omp simd
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         values[i] = exp(values[i]) - pedestal;
-    }
 }
 
 static void copy_columns(const surface *s, const surface_grid *g, int x0, int y0, int y1,
@@ -294,7 +287,6 @@ void surface_strip(surface *s, const surface_grid *g, int x0, int y0, int y1, do
         mix_columns(x, s->fy, s->fxy, g->high, s->strip_fy);
         mix_rows(y, y0, y1, s->strip_f, s->strip_fy, out);
     }
-    if (g->log) {
+    if (g->log)
         undo_log(out + (size_t)y0 * FFT_LANES, (size_t)(y1 - y0) * FFT_LANES, g->pedestal);
-    }
 }

@@ -14,9 +14,8 @@ _Static_assert(sizeof(symmetry_terms) == N_DOUBLES * sizeof(double), "seven doub
 
 int shear_symmetry_new(shear_symmetry **out, shear_error *err) {
     *out = calloc(1, sizeof **out);
-    if (*out == NULL) {
+    if (*out == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's terms");
-    }
     return SHEAR_OK;
 }
 
@@ -45,13 +44,11 @@ int shear_symmetry_add(shear_symmetry *s, const shear_row *row, double beta_px, 
                               .weight = row->weight,
                               .excess = row->high_galaxy - row->high_noise};
     const bool finite = isfinite(t.n1 + t.n2 + t.d) && isfinite(t.u + t.v);
-    if (row->flags != 0 || !block_terms(row, sums) || !finite) {
+    if (row->flags != 0 || !block_terms(row, sums) || !finite)
         return SHEAR_OK;
-    }
     const int code = reserve(s, 1, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     s->stamps[s->n++] = t;
     return SHEAR_OK;
 }
@@ -60,9 +57,8 @@ int shear_symmetry_join(shear_symmetry *s, const shear_symmetry *other, size_t f
                         shear_error *err) {
     const size_t n = other->n > from ? other->n - from : 0;
     const int code = reserve(s, n, err);
-    if (code != SHEAR_OK || n == 0) {
+    if (code != SHEAR_OK || n == 0)
         return code;
-    }
     memcpy(s->stamps + s->n, other->stamps + from, n * sizeof *other->stamps);
     s->n += n;
     return SHEAR_OK;
@@ -87,16 +83,14 @@ void shear_symmetry_powers(const shear_symmetry *s, double *weight, double *d) {
 static void put_double(double value, unsigned char *out) {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
-    for (int i = 0; i < BYTES_OF_DOUBLE; i++) {
+    for (int i = 0; i < BYTES_OF_DOUBLE; i++)
         out[i] = (unsigned char)(bits >> (8 * i));
-    }
 }
 
 static double get_double(const unsigned char *in) {
     uint64_t bits = 0;
-    for (int i = 0; i < BYTES_OF_DOUBLE; i++) {
+    for (int i = 0; i < BYTES_OF_DOUBLE; i++)
         bits |= (uint64_t)in[i] << (8 * i);
-    }
     double value;
     memcpy(&value, &bits, sizeof value);
     return value;
@@ -106,9 +100,8 @@ void shear_symmetry_bytes(const shear_symmetry *s, size_t from, unsigned char *o
     for (size_t i = from; i < s->n; i++) {
         double values[N_DOUBLES];
         memcpy(values, &s->stamps[i], sizeof values);
-        for (int k = 0; k < N_DOUBLES; k++, out += BYTES_OF_DOUBLE) {
+        for (int k = 0; k < N_DOUBLES; k++, out += BYTES_OF_DOUBLE)
             put_double(values[k], out);
-        }
     }
 }
 
@@ -128,12 +121,10 @@ int shear_symmetry_add_bytes(shear_symmetry *s, const unsigned char *bytes, size
     const size_t n = size / SHEAR_SYMMETRY_BYTES;
     bool good = size % SHEAR_SYMMETRY_BYTES == 0;
     const int code = good ? reserve(s, n, err) : SHEAR_OK;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    for (size_t i = 0; i < n && good; i++) {
+    for (size_t i = 0; i < n && good; i++)
         good = read_terms(bytes + i * SHEAR_SYMMETRY_BYTES, &s->stamps[s->n + i]);
-    }
     if (!good) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "these %zu bytes are not the terms of a field's stamps", size);

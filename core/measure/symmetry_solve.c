@@ -37,9 +37,8 @@ static bool set_weights(symmetry_solver *v) {
 static bool begin(symmetry_solver *v) {
     for (int iteration = 0; iteration < 2; iteration++) {
         for (int c = 0; c < 2; c++) {
-            if (!symmetry_solver_guess(v, c, iteration == 1)) {
+            if (!symmetry_solver_guess(v, c, iteration == 1))
                 return false;
-            }
         }
     }
     return true;
@@ -50,14 +49,12 @@ static bool alternate(symmetry_solver *v) {
         double moved = 0.0;
         for (int c = 0; c < 2; c++) {
             const double before = v->components[c].g;
-            if (!symmetry_solver_find(v, c)) {
+            if (!symmetry_solver_find(v, c))
                 return false;
-            }
             moved = fmax(moved, fabs(v->components[c].g - before) / v->components[c].sigma);
         }
-        if (moved < SOLVER_STILL) {
+        if (moved < SOLVER_STILL)
             break;
-        }
     }
     return symmetry_solver_set_slope(v, 0) && symmetry_solver_set_slope(v, 1);
 }
@@ -68,9 +65,8 @@ static int covariance(symmetry_solver *v, double *cov12, shear_error *err) {
     const size_t nb = (size_t)v->bins;
     CLEANUP(release_free)
     int64_t *joint = calloc(nb * nb, sizeof *joint); /* w^2, by both bins, with both signs */
-    if (joint == NULL) {
+    if (joint == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu bins", nb * nb);
-    }
     int bin[2] = {0, 0};
     const sign_histogram h[2] = {{.bins = v->bins, .edge = v->components[0].edge},
                                  {.bins = v->bins, .edge = v->components[1].edge}};
@@ -98,13 +94,11 @@ static int covariance(symmetry_solver *v, double *cov12, shear_error *err) {
 }
 
 static int solve(symmetry_solver *v, shear_result *out, shear_error *err) {
-    if (!set_weights(v) || !begin(v) || !alternate(v)) {
+    if (!set_weights(v) || !begin(v) || !alternate(v))
         return SHEAR_OK;
-    }
     const int code = covariance(v, &out->cov12, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     out->valid = true;
     out->g1 = v->components[0].g;
     out->g2 = v->components[1].g;
@@ -131,20 +125,17 @@ int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, 
     out->valid = false;
     out->jackknife = 0;
     out->g1 = out->g2 = out->g1_err = out->g2_err = out->cov12 = NAN;
-    if (hopeless(out)) {
+    if (hopeless(out))
         return SHEAR_OK;
-    }
     out->why = SHEAR_NO_SYMMETRY;
     const size_t wanted = bins > 0 ? (size_t)bins : SHEAR_SYMMETRY_BINS;
     const size_t most = s->n / PER_BIN;
-    if (most == 0) {
+    if (most == 0)
         return SHEAR_OK;
-    }
     CLEANUP(symmetry_solver_deinit) symmetry_solver v;
     int code = symmetry_solver_init(&v, s, (int)(wanted < most ? wanted : most), shape, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = solve(&v, out, err);
     out->why = out->valid ? SHEAR_HAS_SHEAR : SHEAR_NO_SYMMETRY;
     return code;
@@ -159,15 +150,13 @@ int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
                    const shear_symmetry *terms, shear_result *out, shear_error *err) {
     shear_result symmetric;
     shear_field_result(sums, out);
-    if (!shear_estimator_is_symmetric(estimator)) {
+    if (!shear_estimator_is_symmetric(estimator))
         return SHEAR_OK;
-    }
     symmetric = *out;
     const noise_shape shape = noise_shape_of(sums);
     const int code = symmetry_solve(terms, 0, &shape, &symmetric, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *out = symmetric;
     out->estimator = estimator;
     return SHEAR_OK;

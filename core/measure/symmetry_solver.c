@@ -96,9 +96,8 @@ static double balance_at(void *context, double g) {
 static bool find_balance(const sign_histogram *h, double level, double *g) {
     balance b = {.histogram = h, .level = level};
     const monotone f = {.at = balance_at, .context = &b};
-    if (balance_at(&b, -widest) <= 0.0 || balance_at(&b, widest) > 0.0) {
+    if (balance_at(&b, -widest) <= 0.0 || balance_at(&b, widest) > 0.0)
         return false;
-    }
     *g = monotone_find_root(&f, -widest, widest, guess_tolerance);
     return true;
 }
@@ -107,9 +106,8 @@ static bool find_balance(const sign_histogram *h, double level, double *g) {
  * responses keeps the balance smaller than that up to |g| = 1, half of what it reaches. */
 static bool find_scatter(const sign_histogram *h, double sign, double *g) {
     int64_t all = 0;
-    for (size_t i = 0; i < h->n; i++) {
+    for (size_t i = 0; i < h->n; i++)
         all += h->weight[i];
-    }
     const double most = fmax(0.0, -sign * (double)sign_histogram_balance(h, sign * widest));
     const double level = fmin(scatter * (double)all, 0.5 * most);
     return find_balance(h, -sign * level, g);
@@ -119,9 +117,8 @@ static bool find_scatter(const sign_histogram *h, double sign, double *g) {
 static bool set_scores(symmetry_solver *v, solver_component *a, const sign_histogram *h) {
     double low;
     double high;
-    if (!find_scatter(h, -1.0, &low) || !find_scatter(h, 1.0, &high) || !(high > low)) {
+    if (!find_scatter(h, -1.0, &low) || !find_scatter(h, 1.0, &high) || !(high > low))
         return false;
-    }
     sign_histogram_quantiles(h, a->g, v->scratch, a->edge);
     a->width = 0.5 * (high - low);
     scores_fit(&a->scores, h, a->g, a->width);
@@ -166,9 +163,8 @@ static double total_score_at(void *context, double g) {
 static bool find_side(total_score *s, double sign, double step, double *g) {
     *g = s->component->g + sign * step;
     while (fabs(*g) < 2.0 * widest) {
-        if (sign * total_score_at(s, *g) < 0.0) {
+        if (sign * total_score_at(s, *g) < 0.0)
             return true;
-        }
         step *= 2.0;
         *g += sign * step;
     }
@@ -182,9 +178,8 @@ static bool find_root(symmetry_solver *v, solver_component *a, const sign_histog
     const monotone f = {.at = total_score_at, .context = &s};
     double low;
     double high;
-    if (!find_side(&s, -1.0, step, &low) || !find_side(&s, 1.0, step, &high)) {
+    if (!find_side(&s, -1.0, step, &low) || !find_side(&s, 1.0, step, &high))
         return false;
-    }
     a->g = monotone_find_root(&f, low, high, 0.1 * SOLVER_STILL * a->sigma);
     return true;
 }
@@ -201,9 +196,8 @@ bool symmetry_solver_find(symmetry_solver *v, int c) {
     solver_component *a = &v->components[c];
     const sign_histogram h = load(v, c);
     const bool first = !(a->sigma > 0.0);
-    if (first && !guess_sigma(v, a, &h)) {
+    if (first && !guess_sigma(v, a, &h))
         return false;
-    }
     return find_root(v, a, &h, first ? a->sigma : 0.1 * a->sigma);
 }
 

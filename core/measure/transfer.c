@@ -14,9 +14,8 @@ static void fill_target(transfer_plan *p) {
     const double uy = 2.0 * M_PI / p->ny;
     const double s2 = (double)p->s * p->s;
     const double norm = 1.0 / ((double)p->nx * p->ny * s2 * s2);
-    for (int jy = 0; jy < (int)p->stride; jy++) {
+    for (int jy = 0; jy < (int)p->stride; jy++)
         p->ky2[jy] = jy <= p->max_jy ? (uy * jy) * (uy * jy) : INFINITY;
-    }
     for (int jx = -p->max_jx; jx <= p->max_jx; jx++) {
         double *column = p->target + (size_t)(jx + p->max_jx) * p->stride;
         for (int jy = 0; jy < (int)p->stride; jy++) {
@@ -51,9 +50,8 @@ bool transfer_plan_init(transfer_plan *p) {
     p->along_y = fft_plan_new(p->period_ny);
     p->ky2 = fft_alloc(p->stride * sizeof *p->ky2);
     p->target = fft_alloc(p->table_size * sizeof *p->target);
-    if (p->along_x == NULL || p->along_y == NULL || p->ky2 == NULL || p->target == NULL) {
+    if (p->along_x == NULL || p->along_y == NULL || p->ky2 == NULL || p->target == NULL)
         return false;
-    }
     fill_target(p);
     return true;
 }
@@ -124,9 +122,8 @@ double transfer_smallest_beta(double k_cut, double tolerance) {
     double high = 1.0;
     while (transfer_power_beyond(high, k_cut) > tolerance) {
         high *= 2.0;
-        if (!isfinite(high)) {
+        if (!isfinite(high))
             return INFINITY;
-        }
     }
     for (int i = 0; i < 60; i++) {
         const double middle = 0.5 * (low + high);
@@ -142,9 +139,8 @@ double transfer_smallest_beta(double k_cut, double tolerance) {
 SHEAR_SIMD static void fill_column(const double *target, const double *power, const double *ky2,
                                    double kx2, double cut2, size_t n, double *t) {
 #pragma omp simd
-    for (size_t jy = 0; jy < n; jy++) {
+    for (size_t jy = 0; jy < n; jy++)
         t[jy] = kx2 + ky2[jy] < cut2 ? target[jy] / power[jy] : 0.0;
-    }
 }
 
 /* T from |W|^2: columns [-jx, jx], whole groups of rows up to jy. */
@@ -204,9 +200,8 @@ static double find_reach(const transfer *t, const transfer_plan *p) {
 SHEAR_SIMD static void end_column(const double *ky2, double kx2, double reach2, size_t n,
                                   double *t) {
 #pragma omp simd
-    for (size_t jy = 0; jy < n; jy++) {
+    for (size_t jy = 0; jy < n; jy++)
         t[jy] = kx2 + ky2[jy] <= reach2 ? t[jy] : 0.0;
-    }
 }
 
 /* T = 0 beyond its reach; modes of the same |k| as the farthest one count like it, however they
@@ -244,9 +239,8 @@ static int load_psf(const transfer_plan *p, transfer_scratch *scratch, const dou
     int bad_x;
     int bad_y;
     const int code = shear_psf_usable(psf, p->psf_nx, p->psf_ny, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (!surface_load(&scratch->image, &p->grid, psf, &bad_x, &bad_y)) {
         return shear_fail(
             err, SHEAR_E_NEGATIVE,
@@ -259,9 +253,8 @@ static int load_psf(const transfer_plan *p, transfer_scratch *scratch, const dou
 }
 
 static int check_beta(const transfer_plan *p, double k_cut, shear_error *err) {
-    if (!(transfer_power_beyond(p->beta_px, k_cut) > p->power_tolerance)) {
+    if (!(transfer_power_beyond(p->beta_px, k_cut) > p->power_tolerance))
         return SHEAR_OK;
-    }
     return shear_fail(err, SHEAR_E_BETA, "use a larger beta (or beta-ratio)",
                       "beta = %.4g px is too small: the PSF holds information only up to k = %.4g "
                       "rad/px; the smallest beta that works is %.4f px",
@@ -271,15 +264,13 @@ static int check_beta(const transfer_plan *p, double k_cut, shear_error *err) {
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
                   shear_error *err) {
     int code = load_psf(p, scratch, psf, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     transfer_find_power(p, scratch);
     t->k_cut = find_cut(p, scratch);
     code = check_beta(p, t->k_cut, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     t->jx = last_mode(t->k_cut, p->nx, p->max_jx);
     t->jy = last_mode(t->k_cut, p->ny, p->max_jy);
     fill_table(t, p, scratch);

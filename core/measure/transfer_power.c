@@ -17,9 +17,8 @@ bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
     const bool image_made = surface_init(&t->image, &p->grid);
     t->strip = fft_alloc((size_t)p->grid.fine_ny * FFT_LANES * sizeof *t->strip);
     t->aliased = fft_zeros((size_t)p->period_ny * t->aliased_stride);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         t->lanes[i] = fft_lanes_new(longest + 1);
-    }
     t->modes = fft_zeros(2 * p->stride * t->aliased_stride);
     t->power = fft_alloc(p->table_size * sizeof *t->power);
     return image_made && t->strip != NULL && t->aliased != NULL && t->lanes[0].re != NULL &&
@@ -30,9 +29,8 @@ void transfer_scratch_deinit(transfer_scratch *t) {
     surface_deinit(&t->image);
     fft_free(t->strip);
     fft_free(t->aliased);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         fft_lanes_free(t->lanes[i]);
-    }
     fft_free(t->modes);
     fft_free(t->power);
     *t = (transfer_scratch){0};
@@ -59,9 +57,8 @@ static void alias_psf(const transfer_plan *p, transfer_scratch *t) {
         for (int y = 0; y < fine_ny; y++) {
             double *row = t->aliased + (size_t)(y % p->period_ny) * t->aliased_stride;
             const double *from = t->strip + (size_t)y * FFT_LANES;
-            for (int l = 0; l < n; l++) {
+            for (int l = 0; l < n; l++)
                 row[(x0 + l) % width] += from[l];
-            }
         }
     }
 }
@@ -127,9 +124,8 @@ SHEAR_SIMD static void square_rows(fft_lanes modes, int nx, int max_jx, size_t s
 void transfer_find_power(const transfer_plan *p, transfer_scratch *t) {
     double scale = 0.0;
     alias_psf(p, t);
-    for (size_t x0 = 0; x0 < (size_t)p->used_nx; x0 += PAIR) {
+    for (size_t x0 = 0; x0 < (size_t)p->used_nx; x0 += PAIR)
         transform_pair(p, t, x0);
-    }
     for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
         const fft_lanes w = fft_run(p->along_x, group_modes(t, group, 0), group_modes(t, group, 1),
                                     FFT_LANES, t->lanes[0], t->lanes[1]);

@@ -26,9 +26,8 @@ static bool allocate(shear_workspace *ws, const shear_plan *plan) {
         ok = ok && ws->lanes[i].re != NULL;
     }
     ok = modes_init(ws, plan) && ok;
-    if (info->filter_per_stamp) {
+    if (info->filter_per_stamp)
         ok = plan_init_filters(&ws->fine, &ws->coarse, info) && ok;
-    }
     if (!plan->has_psf) {
         ok = transfer_scratch_init(&ws->psf_scratch, &plan->transfer_plan) && ok;
         ok = transfer_init(&ws->transfer, &plan->transfer_plan) && ok;
@@ -49,15 +48,13 @@ int shear_workspace_new(shear_workspace **out, const shear_plan *plan, shear_err
 }
 
 void shear_workspace_free(shear_workspace *ws) {
-    if (ws == NULL) {
+    if (ws == NULL)
         return;
-    }
     surface_deinit(&ws->galaxy);
     surface_deinit(&ws->noise);
     fft_lanes_free(ws->strip);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         fft_lanes_free(ws->lanes[i]);
-    }
     fft_free(ws->modes);
     filter_map_deinit(&ws->fine);
     filter_map_deinit(&ws->coarse);

@@ -99,9 +99,8 @@ static shear_field_info info_of(const shear_arrays *in) {
 static int init_images(array_source *s, shear_error *err) {
     const shear_geometry *g = &s->info.geometry;
     int code = images_init(&s->galaxy, &s->in->galaxy, 1, g->nx, g->ny, "galaxy", err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = images_init(&s->noise, &s->in->noise, s->info.noise_planes, g->nx, g->ny, "noise", err);
     return code != SHEAR_OK
                ? code
@@ -115,15 +114,13 @@ static bool all_plain(const array_source *s) {
 
 static int init_slots(array_source *s, int threads, int capacity, shear_error *err) {
     s->slots = calloc((size_t)threads, sizeof *s->slots);
-    if (s->slots == NULL) {
+    if (s->slots == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d threads", threads);
-    }
     s->n_slots = threads;
     for (int i = 0; i < threads && !all_plain(s); i++) {
         const int code = shear_block_new(&s->slots[i].copies, &s->info, capacity, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -131,17 +128,15 @@ static int init_slots(array_source *s, int threads, int capacity, shear_error *e
 static int array_source_init(array_source *s, const shear_arrays *in, shear_error *err) {
     *s = (array_source){.in = in, .info = info_of(in)};
     int code = check_geometry(&in->geometry, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = check_counts(&s->info, in, err);
     return code != SHEAR_OK ? code : init_images(s, err);
 }
 
 static void array_source_deinit(array_source *s) {
-    for (int i = 0; i < s->n_slots; i++) {
+    for (int i = 0; i < s->n_slots; i++)
         shear_block_free(s->slots[i].copies);
-    }
     free(s->slots);
 }
 
@@ -172,9 +167,8 @@ static void convert_psfs(const array_source *s, int64_t first, int count, shear_
 
 static void set_psfs(const array_source *s, int64_t first, int count, shear_block *copies,
                      shear_stamps *stamps) {
-    if (s->info.psf_layout == SHEAR_PSF_ONE) {
+    if (s->info.psf_layout == SHEAR_PSF_ONE)
         return;
-    }
     if (!images_are_plain(&s->psf)) {
         convert_psfs(s, first, count, copies, stamps);
     } else if (s->info.psf_layout == SHEAR_PSF_PER_STAMP) {
@@ -225,9 +219,8 @@ static int make_plan(shear_plan **plan, array_source *s, const shear_settings *s
     const shear_source stamps = {.self = s, .read = read_arrays};
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
     int code = shear_plan_request_read(&request, settings, &s->info, psfs, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_plan_request_sample(&request, &s->info, stamps,
                                      capacity < SHEAR_BLOCK ? capacity : SHEAR_BLOCK, err);
     return code != SHEAR_OK ? code : shear_plan_new(plan, &request, err);
@@ -238,9 +231,8 @@ static int keep_rows(void *self, int64_t first, int count, const shear_row *rows
     shear_row *all = self;
     (void)block;
     (void)err;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; i++)
         all[first + i] = rows[i];
-    }
     return SHEAR_OK;
 }
 
@@ -249,9 +241,8 @@ static int jackknife_errors(int groups, const shear_jackknife *blocks, shear_res
                             shear_error *err) {
     CLEANUP(shear_jackknife_release) shear_jackknife *jackknife = NULL;
     int code = shear_jackknife_new(&jackknife, groups, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_jackknife_join(jackknife, blocks, err);
     return code != SHEAR_OK ? code : shear_jackknife_finish(jackknife, result, err);
 }
@@ -272,18 +263,15 @@ static int measure_planned(shear_result *result, array_source *s, const shear_pl
     shear_result found;
     CLEANUP(team_sums_deinit) team_sums sums = {0};
     int code = team_measure(&job, &sums, &found, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (options->jackknife != 0) {
         code = jackknife_errors(options->jackknife, sums.jackknife, &found, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
-    if (options->sums != NULL) {
+    if (options->sums != NULL)
         shear_field_sums_join(options->sums, sums.sums);
-    }
     *result = found;
     return SHEAR_OK;
 }
@@ -296,25 +284,20 @@ int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
     CLEANUP(shear_plan_release) shear_plan *plan = NULL;
     CLEANUP(array_source_deinit) array_source source;
     int code = array_source_init(&source, arrays, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const int threads = team_threads(o->threads);
     const shear_unit_size size = shear_unit_size_for(&source.info, threads);
     code = init_slots(&source, threads, size.stamps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = make_plan(&plan, &source, settings, size.stamps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = measure_planned(result, &source, plan, size, o, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (o->plan != NULL) {
+    if (o->plan != NULL)
         *o->plan = *shear_plan_get_info(plan);
-    }
     return SHEAR_OK;
 }

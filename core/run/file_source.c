@@ -7,20 +7,17 @@ int file_source_init(file_source *s, shear_field *field, int slots, int capacity
                      shear_error *err) {
     *s = (file_source){.field = field, .slots = slots};
     s->blocks = calloc((size_t)slots, sizeof(shear_block *));
-    if (s->blocks == NULL) {
+    if (s->blocks == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d threads", slots);
-    }
     int code = SHEAR_OK;
-    for (int i = 0; i < slots && code == SHEAR_OK; i++) {
+    for (int i = 0; i < slots && code == SHEAR_OK; i++)
         code = shear_block_new(&s->blocks[i], shear_field_get_info(field), capacity, err);
-    }
     return code;
 }
 
 void file_source_deinit(file_source *s) {
-    for (int i = 0; s->blocks != NULL && i < s->slots; i++) {
+    for (int i = 0; s->blocks != NULL && i < s->slots; i++)
         shear_block_free(s->blocks[i]);
-    }
     free(s->blocks);
     *s = (file_source){0};
 }

@@ -48,9 +48,8 @@ static shear_images packed(const shear_images *in, int planes, int nx, int ny) {
 
 int images_init(images *m, const shear_images *in, int planes, int nx, int ny, const char *name,
                 shear_error *err) {
-    if (in->pixels == NULL) {
+    if (in->pixels == NULL)
         return shear_fail(err, SHEAR_E_FORMAT, "give the array", "there are no %s pixels", name);
-    }
     if ((unsigned)in->type >= N_TYPES) {
         return shear_fail(err, SHEAR_E_FORMAT, "use one of enum shear_pixel_type",
                           "the %s pixels are of type %d, which does not exist", name,
@@ -76,19 +75,16 @@ static const char *at(const images *m, int64_t i) {
 void images_copy(const images *m, int64_t i, double *out) {
     convert_row *convert = types[m->in.type].convert;
     for (int k = 0; k < m->planes; k++) {
-        for (int y = 0; y < m->ny; y++, out += m->nx) {
+        for (int y = 0; y < m->ny; y++, out += m->nx)
             convert(at(m, i) + k * m->in.plane + y * m->in.row, m->in.column, m->nx, out);
-        }
     }
 }
 
 const double *images_get(const images *m, int64_t first, int count, double *scratch) {
-    if (images_are_plain(m)) {
+    if (images_are_plain(m))
         return (const double *)(const void *)at(m, first);
-    }
     const size_t pixels = (size_t)m->planes * (size_t)m->ny * (size_t)m->nx;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; i++)
         images_copy(m, first + i, scratch + (size_t)i * pixels);
-    }
     return scratch;
 }

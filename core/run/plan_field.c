@@ -18,9 +18,8 @@ static int look_at_some(shear_psf_source psfs, const shear_field_info *info, dou
     shear_error why = {0};
     for (int64_t i = 0; i < tries; i++) {
         const int code = psfs.read(psfs.self, i * info->n_psf / tries, psf, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         const bool usable = shear_psf_examine(&each[request->n_psfs], psf, g->psf_nx, g->psf_ny,
                                               g->psf_oversample, &why) == SHEAR_OK;
         request->n_psfs += usable;
@@ -34,9 +33,8 @@ static int look_at_some(shear_psf_source psfs, const shear_field_info *info, dou
 
 static double median_radius(const shear_plan_request *request) {
     double radius[MAX_PSFS_FOR_RADIUS];
-    for (int i = 0; i < request->n_psfs; i++) {
+    for (int i = 0; i < request->n_psfs; i++)
         radius[i] = request->psfs[i].r_psf_px;
-    }
     sort_doubles(radius, (size_t)request->n_psfs);
     return radius[request->n_psfs / 2];
 }
@@ -46,9 +44,8 @@ static int read_sample(shear_plan_request *request, const shear_field_info *info
                        shear_psf_source psfs, double *psf, shear_error *err) {
     shear_psf_quality *each = calloc(MAX_PSFS_FOR_RADIUS, sizeof *each);
     request->psfs = each;
-    if (each == NULL) {
+    if (each == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
-    }
     const int code = look_at_some(psfs, info, psf, each, request, err);
     request->r_psf_px = code == SHEAR_OK ? median_radius(request) : 0.0;
     return code;
@@ -88,9 +85,8 @@ static int read_from_file(void *self, int64_t index, double *out, shear_error *e
 
 static int sample_file(shear_plan_request *request, shear_field *field, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
-    if (!shear_plan_wants_core(request)) {
+    if (!shear_plan_wants_core(request))
         return SHEAR_OK;
-    }
     const shear_unit_size size = shear_unit_size_for(info, 1);
     const int capacity = size.stamps < SHEAR_BLOCK ? size.stamps : SHEAR_BLOCK;
     CLEANUP(file_source_deinit) file_source source;
@@ -107,9 +103,8 @@ int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shea
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
     *plan = NULL;
     int code = shear_plan_request_read(&request, settings, info, psfs, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = sample_file(&request, field, err);
     return code != SHEAR_OK ? code : shear_plan_new(plan, &request, err);
 }

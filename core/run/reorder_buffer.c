@@ -11,9 +11,8 @@ int reorder_buffer_init(reorder_buffer *b, int64_t first_block, bool terms,
                         shear_jackknife *jackknife, shear_error *err) {
     *b = (reorder_buffer){.next_block = first_block, .jackknife = jackknife};
     const int code = shear_field_sums_new(&b->sums, err);
-    if (code != SHEAR_OK || !terms) {
+    if (code != SHEAR_OK || !terms)
         return code;
-    }
     return shear_symmetry_new(&b->terms, err);
 }
 
@@ -23,9 +22,8 @@ static void block_result_deinit(block_result *r) {
 }
 
 void reorder_buffer_deinit(reorder_buffer *b) {
-    for (size_t i = 0; i < b->n_early; i++) {
+    for (size_t i = 0; i < b->n_early; i++)
         block_result_deinit(&b->early[i]);
-    }
     free(b->early);
     shear_field_sums_free(b->sums);
     shear_symmetry_free(b->terms);
@@ -37,9 +35,8 @@ static int sum_next(reorder_buffer *b, const block_result *r, shear_error *err) 
     assert(r->block == b->next_block);
     int code = r->terms != NULL ? shear_symmetry_join(b->terms, r->terms, 0, err) : SHEAR_OK;
     for (int i = 0; i < r->n && code == SHEAR_OK; i++) {
-        if (b->jackknife != NULL) {
+        if (b->jackknife != NULL)
             code = shear_jackknife_add(b->jackknife, &r->sums[i], err);
-        }
         shear_field_sums_add(b->sums, &r->sums[i]);
     }
     b->next_block += r->n;
@@ -47,23 +44,20 @@ static int sum_next(reorder_buffer *b, const block_result *r, shear_error *err) 
 }
 
 static int copy_terms(shear_symmetry **copy, const shear_symmetry *terms, shear_error *err) {
-    if (terms == NULL) {
+    if (terms == NULL)
         return SHEAR_OK;
-    }
     const int code = shear_symmetry_new(copy, err);
     return code != SHEAR_OK ? code : shear_symmetry_join(*copy, terms, 0, err);
 }
 
 static int keep_early(reorder_buffer *b, const block_result *r, shear_error *err) {
     const size_t bytes = (size_t)r->n * sizeof *r->sums;
-    if (!ARRAY_RESERVE(b->early, b->capacity, b->n_early + 1)) {
+    if (!ARRAY_RESERVE(b->early, b->capacity, b->n_early + 1))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the results of blocks");
-    }
     block_result *copy = &b->early[b->n_early];
     *copy = (block_result){.block = r->block, .n = r->n, .sums = malloc(bytes)};
-    if (copy->sums == NULL) {
+    if (copy->sums == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the results of blocks");
-    }
     memcpy(copy->sums, r->sums, bytes);
     const int code = copy_terms(&copy->terms, r->terms, err);
     if (code != SHEAR_OK) {
@@ -93,9 +87,8 @@ static int sum_early(reorder_buffer *b, shear_error *err) {
 
 int reorder_buffer_add(reorder_buffer *b, const block_result *r, shear_error *err) {
     assert(r->block >= b->next_block);
-    if (r->block != b->next_block) {
+    if (r->block != b->next_block)
         return keep_early(b, r, err);
-    }
     const int code = sum_next(b, r, err);
     return code != SHEAR_OK ? code : sum_early(b, err);
 }

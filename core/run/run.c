@@ -52,9 +52,8 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
                     const shear_run_options *options, int threads, int capacity, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     int code = shear_plan_for_field(&r->plan, settings, field, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (options->catalog_path != NULL) {
         code =
             shear_catalog_create(&r->catalog, options->catalog_path, info, options->overwrite, err);
@@ -70,9 +69,8 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
     const int threads = team_threads(options->threads);
     const shear_unit_size size = shear_unit_size_for(info, threads);
     int code = run_init(r, field, settings, options, threads, size.stamps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const team_job job = {
         .info = info,
         .plan = r->plan,
@@ -98,14 +96,12 @@ static int join_caller(const team_sums *own, shear_field_sums *sums, shear_symme
     const size_t before = terms != NULL ? shear_symmetry_count(terms) : 0;
     int code = terms != NULL && own->terms != NULL ? shear_symmetry_join(terms, own->terms, 0, err)
                                                    : SHEAR_OK;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = jack != NULL ? shear_jackknife_join(jack, own->jackknife, err) : SHEAR_OK;
     if (code != SHEAR_OK) {
-        if (terms != NULL) {
+        if (terms != NULL)
             shear_symmetry_truncate(terms, before);
-        }
         return code;
     }
     shear_field_sums_join(sums, own->sums);
@@ -126,16 +122,14 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
     CLEANUP(shear_field_release) shear_field *field = NULL;
     CLEANUP(run_deinit) run r = {0};
     int code = shear_field_open_input(&field, input, NULL, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     report->field = *shear_field_get_info(field);
     code = run_field(&r, input, field, settings, o, jack != NULL, report, err);
     code = code != SHEAR_OK ? code : join_caller(&r.sums, sums, o->terms, jack, err);
     report->seconds = clock_s(CLOCK_MONOTONIC) - start;
-    if (code != SHEAR_OK && err != NULL && strstr(err->message, name_of(input)) == NULL) {
+    if (code != SHEAR_OK && err != NULL && strstr(err->message, name_of(input)) == NULL)
         shear_prefix(err, code, "file '%s'", name_of(input));
-    }
     return code;
 }
 

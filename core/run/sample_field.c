@@ -15,9 +15,8 @@ static bool counts(const shear_stamps *s, int i) {
 static void add_stamps(reach *r, const shear_stamps *s) {
     const size_t pixels = (size_t)s->nx * (size_t)s->ny;
     for (int i = 0; i < s->count; i++) {
-        if (counts(s, i)) {
+        if (counts(s, i))
             reach_add(r, s->galaxy + (size_t)i * pixels, s->noise + (size_t)i * pixels);
-        }
     }
 }
 
@@ -28,9 +27,8 @@ static int read_sampled(reach *r, shear_source source, int64_t first, int64_t en
     for (; first < end; first += capacity) {
         const int count = end - first < capacity ? (int)(end - first) : capacity;
         const int code = source.read(source.self, 0, first, count, &block, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         add_stamps(r, &block->stamps);
     }
     return SHEAR_OK;
@@ -58,21 +56,17 @@ int shear_plan_request_sample(shear_plan_request *request, const shear_field_inf
                               shear_source source, int capacity, shear_error *err) {
     const shear_geometry *g = &info->geometry;
     shear_plan_radii radii;
-    if (!shear_plan_wants_core(request)) {
+    if (!shear_plan_wants_core(request))
         return SHEAR_OK;
-    }
     int code = shear_plan_find_radii(&radii, request, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     CLEANUP(reach_deinit) reach r;
-    if (!reach_init(&r, g->nx, g->ny, MAX_SAMPLED_BLOCKS * SHEAR_BLOCK)) {
+    if (!reach_init(&r, g->nx, g->ny, MAX_SAMPLED_BLOCKS * SHEAR_BLOCK))
         return out_of_memory(err);
-    }
     code = read_sample(&r, info, source, capacity, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return reach_core(&r, radii.r_psf_px, radii.beta_px, radii.width_px, &request->core_px)
                ? SHEAR_OK
                : out_of_memory(err);

@@ -11,9 +11,8 @@ int team_threads(int asked) {
 
 /* Tell the caller how far the work is; non-zero when the caller wants to stop. One thread calls. */
 static int report_progress(const team_job *job, shear_work *work) {
-    if (job->progress == NULL) {
+    if (job->progress == NULL)
         return 0;
-    }
     const shear_work_status status = shear_work_get_status(work);
     return job->progress(job->context, status.stamps_done, status.stamps_total);
 }
@@ -23,9 +22,8 @@ static int work_in_slot(const team_job *job, shear_work *work, int slot, shear_e
     shear_worker *worker = NULL;
     int code = shear_worker_new(&worker, job->plan, job->size, slot, err);
     while (code == SHEAR_OK && shear_work_step(work, worker)) {
-        if (slot == 0 && report_progress(job, work) != 0) {
+        if (slot == 0 && report_progress(job, work) != 0)
             code = shear_fail(err, SHEAR_E_CANCELLED, NULL, "stopped by the caller");
-        }
     }
     shear_worker_free(worker);
     return code;
@@ -42,18 +40,15 @@ static int run_team(const team_job *job, shear_work *work, shear_error *err) {
 #pragma omp critical(shear_run_error)
             if (code == SHEAR_OK) {
                 code = own;
-                if (err != NULL) {
+                if (err != NULL)
                     *err = error;
-                }
             }
         }
     }
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (shear_work_get_status(work).code != SHEAR_OK) {
+    if (shear_work_get_status(work).code != SHEAR_OK)
         return shear_work_get_error(work, err);
-    }
     report_progress(job, work);
     return SHEAR_OK;
 }
@@ -63,14 +58,12 @@ static int sums_init(team_sums *out, const team_job *job, shear_error *err) {
         shear_estimator_is_symmetric(shear_plan_get_settings(job->plan)->estimator);
     *out = (team_sums){0};
     int code = shear_field_sums_new(&out->sums, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (job->terms || symmetric) {
         code = shear_symmetry_new(&out->terms, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return job->jackknife ? shear_jackknife_new(&out->jackknife, 2, err) : SHEAR_OK;
 }
@@ -93,13 +86,11 @@ static int measure(const team_job *job, team_sums *out, shear_result *result, sh
     CLEANUP(shear_work_release) shear_work *work = NULL;
     int64_t blocks = 0;
     int code = shear_work_new(&work, &spec, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = run_team(job, work, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_work_join_terms(work, out->sums, 0, out->terms, &blocks, err);
     return code != SHEAR_OK ? code
                             : shear_estimate(shear_plan_get_settings(job->plan)->estimator,

@@ -69,9 +69,8 @@ static bool wants_terms(const shear_work_spec *spec) {
 int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *err) {
     *out = NULL;
     CLEANUP(shear_work_release) shear_work *work = calloc(1, sizeof *work);
-    if (work == NULL) {
+    if (work == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's work");
-    }
     pthread_mutex_init(&work->reader, NULL);
     pthread_mutex_init(&work->sink, NULL);
     pthread_mutex_init(&work->units, NULL);
@@ -82,17 +81,15 @@ int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *e
     work->done = spec->first_block * SHEAR_BLOCK;
     const int code = reorder_buffer_init(&work->summed, spec->first_block, wants_terms(spec),
                                          spec->jackknife, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *out = CLEANUP_TAKE(work);
     return SHEAR_OK;
 }
 
 void shear_work_free(shear_work *work) {
-    if (work == NULL) {
+    if (work == NULL)
         return;
-    }
     reorder_buffer_deinit(&work->summed);
     pthread_mutex_destroy(&work->reader);
     pthread_mutex_destroy(&work->sink);
@@ -163,9 +160,8 @@ static void release_unit(shear_work *work, bool stop) {
 static int read_stamps(shear_work *work, const shear_worker *worker, int64_t first, int count,
                        const shear_block **block, shear_error *err) {
     const shear_source *source = &work->spec.source;
-    if (source->concurrent) {
+    if (source->concurrent)
         return source->read(source->self, worker->slot, first, count, block, err);
-    }
     pthread_mutex_lock(&work->reader);
     const int code = source->read(source->self, worker->slot, first, count, block, err);
     pthread_mutex_unlock(&work->reader);
@@ -175,9 +171,8 @@ static int read_stamps(shear_work *work, const shear_worker *worker, int64_t fir
 static int write_rows(shear_work *work, const shear_worker *worker, const shear_block *block,
                       int64_t first, int count, shear_error *err) {
     const shear_sink *sink = &work->spec.sink;
-    if (sink->write == NULL) {
+    if (sink->write == NULL)
         return SHEAR_OK;
-    }
     pthread_mutex_lock(&work->sink);
     const int code = sink->write(sink->self, first, count, worker->rows, block, err);
     pthread_mutex_unlock(&work->sink);
@@ -190,13 +185,11 @@ static int sum_rows(shear_worker *worker, const work_unit *u, const shear_plan *
     int code = SHEAR_OK;
     for (int i = 0; i < count && code == SHEAR_OK; i++) {
         shear_block_sums *b = &worker->sums[(first + i - u->first) / SHEAR_BLOCK];
-        if ((first + i) % SHEAR_BLOCK == 0) {
+        if ((first + i) % SHEAR_BLOCK == 0)
             shear_block_sums_init(b);
-        }
         shear_block_sums_add(b, &worker->rows[i]);
-        if (worker->terms != NULL) {
+        if (worker->terms != NULL)
             code = shear_symmetry_add(worker->terms, &worker->rows[i], beta, err);
-        }
     }
     return code;
 }
@@ -208,9 +201,8 @@ static int begin_terms(const shear_work *work, shear_worker *worker, shear_error
         worker->terms = NULL;
         return SHEAR_OK;
     }
-    if (worker->terms == NULL) {
+    if (worker->terms == NULL)
         return shear_symmetry_new(&worker->terms, err);
-    }
     shear_symmetry_truncate(worker->terms, 0);
     return SHEAR_OK;
 }
@@ -219,14 +211,12 @@ static int measure_stamps(shear_work *work, shear_worker *worker, const work_uni
                           int count, shear_error *err) {
     const shear_block *block = NULL;
     int code = read_stamps(work, worker, first, count, &block, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_measure_range(work->spec.plan, worker->ws, &block->stamps, 0, count, worker->rows,
                                err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = write_rows(work, worker, block, first, count, err);
     return code != SHEAR_OK ? code : sum_rows(worker, u, work->spec.plan, first, count, err);
 }
@@ -274,13 +264,11 @@ static int finish_unit(shear_work *work, shear_worker *worker, const work_unit *
 bool shear_work_step(shear_work *work, shear_worker *worker) {
     work_unit u;
     shear_error error = {0};
-    if (!claim_unit(work, &u)) {
+    if (!claim_unit(work, &u))
         return false;
-    }
     const int code = finish_unit(work, worker, &u, &error);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         record_failure(work, &u, code, &error);
-    }
     release_unit(work, code != SHEAR_OK);
     return code == SHEAR_OK;
 }
@@ -315,9 +303,8 @@ shear_work_status shear_work_get_status(shear_work *work) {
 int shear_work_get_error(shear_work *work, shear_error *err) {
     pthread_mutex_lock(&work->results);
     const int code = work->code;
-    if (err != NULL) {
+    if (err != NULL)
         *err = work->error;
-    }
     pthread_mutex_unlock(&work->results);
     return code;
 }
@@ -335,9 +322,8 @@ static int join_terms(const reorder_buffer *summed, shear_field_sums *sums, size
                       shear_symmetry *terms, int64_t *next_block, shear_error *err) {
     const int code =
         summed->terms != NULL ? shear_symmetry_join(terms, summed->terms, from, err) : SHEAR_OK;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_field_sums_join(sums, summed->sums);
     *next_block = summed->next_block;
     return SHEAR_OK;
@@ -355,9 +341,8 @@ int shear_work_sync(shear_work *work, int64_t next_block, shear_error *err) {
     const shear_sink *sink = &work->spec.sink;
     const int64_t rows = next_block * SHEAR_BLOCK;
     const int64_t all = work->spec.info->n_stamps;
-    if (sink->sync == NULL) {
+    if (sink->sync == NULL)
         return SHEAR_OK;
-    }
     pthread_mutex_lock(&work->sink);
     const int code = sink->sync(sink->self, rows < all ? rows : all, err);
     pthread_mutex_unlock(&work->sink);

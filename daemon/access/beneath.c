@@ -32,9 +32,8 @@ typedef struct way {
  * there is none. */
 static bool next_name(way *w, char *name, size_t size, bool *followed) {
     w->rest += strspn(w->rest, "/");
-    if (w->rest[0] != '\0' && strlen(w->rest) <= w->own) {
+    if (w->rest[0] != '\0' && strlen(w->rest) <= w->own)
         w->link = '\0';
-    }
     const size_t n = strcspn(w->rest, "/");
     snprintf(name, size, "%.*s", (int)n, w->rest);
     w->rest += n;
@@ -47,23 +46,19 @@ static int follow(way *w, int link) {
     char text[PATH_MAX];
     const size_t left = strlen(w->rest);
     const ssize_t got = readlinkat(link, "", text, sizeof text);
-    if (got <= 0) {
+    if (got <= 0)
         return got < 0 ? -errno : -ENOENT;
-    }
     const size_t n = (size_t)got;
     if (w->link == '\0') {
         w->link = text[0];
         w->own = left;
     }
-    if (text[0] == '/') {
+    if (text[0] == '/')
         return -EXDEV;
-    }
-    if (++w->links > LINKS_MAX) {
+    if (++w->links > LINKS_MAX)
         return -ELOOP;
-    }
-    if (n == sizeof text || n + left >= sizeof w->text) {
+    if (n == sizeof text || n + left >= sizeof w->text)
         return -ENAMETOOLONG;
-    }
     memmove(w->text + n, w->rest, left + 1);
     memcpy(w->text, text, n);
     w->rest = w->text;
@@ -76,13 +71,11 @@ static int open_name(const way *w, const char *name, bool directory) {
     enum { FLAGS = O_PATH | O_NOFOLLOW | O_CLOEXEC };
     struct stat st;
     const int error = permission_check(w->at[w->depth], w->peer, PERMIT_SEARCH, &st);
-    if (error != 0) {
+    if (error != 0)
         return -error;
-    }
     int fd = directory ? openat(w->at[w->depth], name, FLAGS | O_DIRECTORY) : -1;
-    if (!directory || (fd < 0 && errno == ENOTDIR)) {
+    if (!directory || (fd < 0 && errno == ENOTDIR))
         fd = openat(w->at[w->depth], name, FLAGS);
-    }
     return fd >= 0 ? fd : errno == EACCES ? -EPERM : -errno;
 }
 
@@ -93,12 +86,10 @@ static int go_down(way *w, int fd, const struct stat *st, bool followed, int *fo
         *found = fd;
         return 0;
     }
-    if (!S_ISDIR(st->st_mode)) {
+    if (!S_ISDIR(st->st_mode))
         return -ENOTDIR;
-    }
-    if (w->depth == DEPTH_MAX) {
+    if (w->depth == DEPTH_MAX)
         return -ENAMETOOLONG;
-    }
     w->at[++w->depth] = fd;
     return 0;
 }
@@ -108,15 +99,12 @@ static int go_down(way *w, int fd, const struct stat *st, bool followed, int *fo
 static int enter(way *w, const char *name, bool followed, int *found) {
     struct stat st;
     CLEANUP(release_fd) int fd = open_name(w, name, followed);
-    if (fd < 0) {
+    if (fd < 0)
         return fd;
-    }
-    if (fstat(fd, &st) != 0) {
+    if (fstat(fd, &st) != 0)
         return -errno;
-    }
-    if (S_ISLNK(st.st_mode)) {
+    if (S_ISLNK(st.st_mode))
         return follow(w, fd);
-    }
     const int error = go_down(w, fd, &st, followed, found);
     if (error == 0) {
         fd = -1; /* it is the way's, or the caller's */
@@ -125,18 +113,14 @@ static int enter(way *w, const char *name, bool followed, int *found) {
 }
 
 static int step(way *w, const char *name, bool followed, int *found) {
-    if (++w->steps > STEPS_MAX) {
+    if (++w->steps > STEPS_MAX)
         return -ELOOP;
-    }
-    if (strcmp(name, ".") == 0) {
+    if (strcmp(name, ".") == 0)
         return 0;
-    }
-    if (strcmp(name, "..") != 0) {
+    if (strcmp(name, "..") != 0)
         return enter(w, name, followed, found);
-    }
-    if (w->depth == 0) {
+    if (w->depth == 0)
         return -EXDEV;
-    }
     assert(w->depth > 0 && w->depth <= DEPTH_MAX);
     close(w->at[w->depth--]);
     return 0;
@@ -150,20 +134,17 @@ int beneath_open(int root, const char *path, const access_peer *peer, char *link
     way w = {.peer = peer, .at = {root}, .own = strlen(path)};
     w.rest = w.text;
     *link = '\0';
-    if (w.own >= PATH_MAX) {
+    if (w.own >= PATH_MAX)
         return -ENAMETOOLONG;
-    }
     memcpy(w.text, path, w.own + 1);
-    while (error == 0 && found < 0 && next_name(&w, name, sizeof name, &followed)) {
+    while (error == 0 && found < 0 && next_name(&w, name, sizeof name, &followed))
         error = step(&w, name, followed, &found);
-    }
     if (error == 0 && found < 0) { /* a directory that we are in */
         found = fcntl(w.at[w.depth], F_DUPFD_CLOEXEC, 0);
         error = found < 0 ? -errno : 0;
     }
-    while (w.depth > 0) {
+    while (w.depth > 0)
         close(w.at[w.depth--]);
-    }
     *link = w.link;
     return error == 0 ? found : error;
 }

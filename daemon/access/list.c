@@ -22,9 +22,8 @@ CLEANUP_DEFINE(access_list, access_list_free)
 /* A name of digits only, below (uid_t)-1, which is nobody. */
 static bool read_number(const char *name, unsigned *id) {
     const size_t n = strlen(name);
-    if (n == 0 || n > 10 || strspn(name, "0123456789") != n) {
+    if (n == 0 || n > 10 || strspn(name, "0123456789") != n)
         return false;
-    }
     const unsigned long long value = strtoull(name, NULL, 10);
     *id = (unsigned)value;
     return value < 0xffffffffULL;
@@ -38,9 +37,8 @@ static int not_found(access_list *list, int error, const char *kind, const char 
                           strerror(error));
     }
     char *text = NULL;
-    if (asprintf(&text, "[access]: there is no %s '%s': nobody has its rights", kind, name) < 0) {
+    if (asprintf(&text, "[access]: there is no %s '%s': nobody has its rights", kind, name) < 0)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of users");
-    }
     list->unknown[list->n_unknown++] = text;
     return SHEAR_OK;
 }
@@ -68,16 +66,14 @@ static int ask_for_group(const char *name, gid_t *id, bool *found) {
     int error = ERANGE;
     for (size_t size = 16384; error == ERANGE && size <= (size_t)1 << 26; size *= 4) {
         char *more = realloc(texts, size);
-        if (more == NULL) {
+        if (more == NULL)
             return ENOMEM;
-        }
         texts = more;
         error = getgrnam_r(name, &entry, texts, size, &result);
     }
     *found = result != NULL;
-    if (*found) {
+    if (*found)
         *id = entry.gr_gid;
-    }
     return error;
 }
 
@@ -85,9 +81,8 @@ static int add_group(access_list *list, const char *name, shear_error *err) {
     bool found = false;
     gid_t *id = &list->groups[list->n_groups];
     const int error = ask_for_group(name, id, &found);
-    if (!found && !read_number(name, id)) {
+    if (!found && !read_number(name, id))
         return not_found(list, error, "group", name, err);
-    }
     list->n_groups++;
     return SHEAR_OK;
 }
@@ -103,15 +98,13 @@ int access_list_new(access_list **out, char *const *users, size_t n_users, char 
                     size_t n_groups, shear_error *err) {
     *out = NULL;
     CLEANUP(access_list_release) access_list *list = calloc(1, sizeof *list);
-    if (list == NULL || !allocate(list, n_users, n_groups)) {
+    if (list == NULL || !allocate(list, n_users, n_groups))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of users");
-    }
     for (size_t i = 0; i < n_users + n_groups; i++) {
         const int code =
             i < n_users ? add_user(list, users[i], err) : add_group(list, groups[i - n_users], err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     *out = CLEANUP_TAKE(list);
     return SHEAR_OK;
@@ -119,9 +112,8 @@ int access_list_new(access_list **out, char *const *users, size_t n_users, char 
 
 void access_list_free(access_list *list) {
     if (list != NULL) {
-        for (size_t i = 0; i < list->n_unknown; i++) {
+        for (size_t i = 0; i < list->n_unknown; i++)
             free(list->unknown[i]);
-        }
         free(list->unknown);
         free(list->users);
         free(list->groups);
@@ -135,14 +127,12 @@ const char *access_list_unknown(const access_list *list, size_t i) {
 
 bool access_list_has(const access_list *list, const access_peer *peer) {
     for (size_t i = 0; i < list->n_users; i++) {
-        if (list->users[i] == peer->uid) {
+        if (list->users[i] == peer->uid)
             return true;
-        }
     }
     for (size_t i = 0; i < list->n_groups; i++) {
-        if (peer_has_group(peer, list->groups[i])) {
+        if (peer_has_group(peer, list->groups[i]))
             return true;
-        }
     }
     return false;
 }

@@ -87,13 +87,11 @@ static int reopen(const request *r, int handle, int *fd, shear_error *err) {
 static int open_beneath(const request *r, int *fd, char **canonical, shear_error *err) {
     char link = '\0';
     int error = walk_check(r->root, r->peer, NULL);
-    if (error != 0) {
+    if (error != 0)
         return fail_plainly(r, error, err);
-    }
     const int handle = beneath_open(r->root, r->beneath, r->peer, &link);
-    if (handle < 0) {
+    if (handle < 0)
         return fail_at(r, link, -handle, err);
-    }
     error = walk_check(handle, r->peer, canonical);
     const int code = error != 0 ? fail_at(r, link, error, err) : reopen(r, handle, fd, err);
     close(handle);
@@ -122,15 +120,12 @@ static int try_root(const char *name, bool by_name, request *r, int *fd, char **
     char *real = NULL;
     int code = ACCESS_E_OUTSIDE;
     r->beneath = path_beneath(r->path, name);
-    if ((r->beneath != NULL) != by_name || root_open(name, &r->root, NULL) != SHEAR_OK) {
+    if ((r->beneath != NULL) != by_name || root_open(name, &r->root, NULL) != SHEAR_OK)
         return code;
-    }
-    if (!by_name && walk_name(r->root, &real) == 0) {
+    if (!by_name && walk_name(r->root, &real) == 0)
         r->beneath = path_beneath(r->path, real);
-    }
-    if (r->beneath != NULL) {
+    if (r->beneath != NULL)
         code = open_beneath(r, fd, canonical, err);
-    }
     free(real);
     close(r->root);
     return code;
@@ -140,9 +135,8 @@ static int try_root(const char *name, bool by_name, request *r, int *fd, char **
 static int try_roots(const access_roots *roots, bool by_name, request *r, int *fd, char **canonical,
                      shear_error *err) {
     int code = ACCESS_E_OUTSIDE;
-    for (size_t i = 0; i < roots->n && code == ACCESS_E_OUTSIDE; i++) {
+    for (size_t i = 0; i < roots->n && code == ACCESS_E_OUTSIDE; i++)
         code = try_root(roots->names[i], by_name, r, fd, canonical, err);
-    }
     return code;
 }
 
@@ -151,9 +145,8 @@ static int check_roots_of(const access_roots *roots, const char *path, shear_err
     for (size_t i = 0; i < roots->n; i++) {
         if (path_beneath(path, roots->names[i]) != NULL) {
             const int code = access_root_check(roots->names[i], err);
-            if (code != SHEAR_OK) {
+            if (code != SHEAR_OK)
                 return code;
-            }
         }
     }
     return SHEAR_OK;
@@ -166,15 +159,13 @@ int access_open(const access_roots *roots, const access_peer *peer, const char *
     request r = {.root = -1, .peer = peer, .path = path};
     *fd = -1;
     *canonical = NULL;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     snprintf(advice, sizeof advice, "data roots: %s", roots->text);
     shear_fail(err, ACCESS_E_OUTSIDE, advice, "%.300s: is not beneath a data root", path);
     code = try_roots(roots, true, &r, fd, canonical, err);
-    if (code == ACCESS_E_OUTSIDE) {
+    if (code == ACCESS_E_OUTSIDE)
         code = try_roots(roots, false, &r, fd, canonical, err);
-    }
     const bool maybe_missing = code == ACCESS_E_OUTSIDE || code == ACCESS_E_NOT_FOUND;
     return maybe_missing && check_roots_of(roots, path, err) != SHEAR_OK ? ACCESS_E_ROOT : code;
 }

@@ -25,9 +25,8 @@ static int read_groups(int socket, access_peer *peer) {
     socklen_t size = 64 * sizeof(gid_t);
     for (;;) {
         gid_t *groups = realloc(peer->groups, size);
-        if (groups == NULL) {
+        if (groups == NULL)
             return ENOMEM;
-        }
         peer->groups = groups;
         if (getsockopt(socket, SOL_SOCKET, SO_PEERGROUPS, groups, &size) == 0) {
             peer->n_groups = size / sizeof(gid_t);
@@ -43,13 +42,11 @@ int access_peer_from_socket(int socket, access_peer *peer, shear_error *err) {
     struct ucred who;
     socklen_t size = sizeof who;
     *peer = (access_peer){(uid_t)-1, (gid_t)-1, NULL, 0};
-    if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) != 0) {
+    if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) != 0)
         return fail(peer, errno, "who is at the other end of the socket", err);
-    }
     /* What is no connected Unix socket has no peer. */
-    if (size != sizeof who || who.uid == (uid_t)-1) {
+    if (size != sizeof who || who.uid == (uid_t)-1)
         return fail(peer, ENOTCONN, "who is at the other end of the socket", err);
-    }
     peer->uid = who.uid;
     peer->gid = who.gid;
     const int error = read_groups(socket, peer);
@@ -60,9 +57,8 @@ static int groups_of(const char *user, access_peer *peer) {
     int n = 64;
     for (;;) {
         gid_t *groups = reallocarray(peer->groups, (size_t)n, sizeof *groups);
-        if (groups == NULL) {
+        if (groups == NULL)
             return ENOMEM;
-        }
         peer->groups = groups;
         const int capacity = n;
         if (getgrouplist(user, peer->gid, groups, &n) >= 0) {
@@ -79,9 +75,8 @@ int access_peer_from_user(uid_t uid, gid_t gid, access_peer *peer, shear_error *
     struct passwd *found = NULL;
     *peer = (access_peer){uid, gid, NULL, 0};
     int error = getpwuid_r(uid, &entry, texts, sizeof texts, &found);
-    if (found == NULL && (error == 0 || error == ENOENT || error == ESRCH)) {
+    if (found == NULL && (error == 0 || error == ENOENT || error == ESRCH))
         return SHEAR_OK;
-    }
     if (error == 0) {
         peer->gid = entry.pw_gid;
         error = groups_of(entry.pw_name, peer);

@@ -45,13 +45,11 @@ int access_peer_from_text(uid_t uid, gid_t gid, const char *groups, access_peer 
                           shear_error *err) {
     *peer = (access_peer){uid, gid, NULL, 0};
     peer->groups = calloc(strlen(groups) / 2 + 1, sizeof *peer->groups);
-    if (peer->groups == NULL) {
+    if (peer->groups == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of groups");
-    }
     for (const char *at = groups; *at != '\0';) {
-        if (!read_group(&at, &peer->groups[peer->n_groups])) {
+        if (!read_group(&at, &peer->groups[peer->n_groups]))
             return bad_text(peer, groups, err);
-        }
         peer->n_groups++;
     }
     return SHEAR_OK;

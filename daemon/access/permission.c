@@ -32,9 +32,8 @@ typedef struct acl_view {
 
 bool peer_has_group(const access_peer *peer, gid_t gid) {
     bool has = peer->gid == gid;
-    for (size_t i = 0; i < peer->n_groups && !has; i++) {
+    for (size_t i = 0; i < peer->n_groups && !has; i++)
         has = peer->groups[i] == gid;
-    }
     return has;
 }
 
@@ -43,9 +42,8 @@ static bool gives(unsigned bits, unsigned wanted) {
 }
 
 static bool mode_gives(const struct stat *st, const access_peer *peer, unsigned wanted) {
-    if (st->st_uid == peer->uid) {
+    if (st->st_uid == peer->uid)
         return gives(st->st_mode >> 6, wanted);
-    }
     return gives(peer_has_group(peer, st->st_gid) ? st->st_mode >> 3 : st->st_mode, wanted);
 }
 
@@ -73,15 +71,12 @@ static void look_at(const acl_entry *entry, const struct stat *st, const access_
 static bool acl_gives(const acl_view *view, const struct stat *st, const access_peer *peer,
                       unsigned wanted) {
     const unsigned mask = view->mask >= 0 ? (unsigned)view->mask : 7;
-    if (st->st_uid == peer->uid) {
+    if (st->st_uid == peer->uid)
         return view->owner >= 0 && gives((unsigned)view->owner, wanted);
-    }
-    if (view->user >= 0) {
+    if (view->user >= 0)
         return gives((unsigned)view->user & mask, wanted);
-    }
-    if (view->in_group) {
+    if (view->in_group)
         return view->group_gives && gives(mask, wanted);
-    }
     return view->other >= 0 && gives((unsigned)view->other, wanted);
 }
 
@@ -89,9 +84,8 @@ static int check_list(const char *list, size_t size, const struct stat *st, cons
                       unsigned wanted) {
     acl_view view = {-1, -1, -1, -1, false, false};
     uint32_t version = 0;
-    if (size < sizeof version || (size - sizeof version) % sizeof(acl_entry) != 0) {
+    if (size < sizeof version || (size - sizeof version) % sizeof(acl_entry) != 0)
         return EACCES;
-    }
     memcpy(&version, list, sizeof version);
     if (le32toh(version) != ACL_VERSION) {
         return EACCES; /* a version that is not known gives nothing */
@@ -107,20 +101,16 @@ static int check_list(const char *list, size_t size, const struct stat *st, cons
 int permission_check(int fd, const access_peer *peer, unsigned wanted, struct stat *st) {
     char path[32];
     char list[8192]; /* a thousand entries; a longer one is ERANGE */
-    if (fstat(fd, st) != 0) {
+    if (fstat(fd, st) != 0)
         return errno;
-    }
-    if (peer->uid == 0) {
+    if (peer->uid == 0)
         return 0;
-    }
     /* A descriptor of O_PATH has no attributes itself. */
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
     const ssize_t size = getxattr(path, "system.posix_acl_access", list, sizeof list);
-    if (size >= 0) {
+    if (size >= 0)
         return check_list(list, (size_t)size, st, peer, wanted);
-    }
-    if (errno != ENODATA && errno != ENOTSUP) {
+    if (errno != ENODATA && errno != ENOTSUP)
         return errno;
-    }
     return mode_gives(st, peer, wanted) ? 0 : EACCES;
 }

@@ -16,9 +16,8 @@ static const char *component(const char *path, size_t *length) {
     for (;;) {
         path += strspn(path, "/");
         *length = strcspn(path, "/");
-        if (*length != 1 || path[0] != '.') {
+        if (*length != 1 || path[0] != '.')
             return path;
-        }
         path += 1;
     }
 }
@@ -29,12 +28,10 @@ const char *path_beneath(const char *path, const char *root) {
     for (;;) {
         root = component(root, &m);
         path = component(path, &n);
-        if (m == 0) {
+        if (m == 0)
             return n > 0 ? path : NULL;
-        }
-        if (n != m || strncmp(path, root, n) != 0) {
+        if (n != m || strncmp(path, root, n) != 0)
             return NULL;
-        }
         path += n;
         root += m;
     }
@@ -43,9 +40,8 @@ const char *path_beneath(const char *path, const char *root) {
 bool path_climbs(const char *path) {
     size_t n = 0;
     for (path = component(path, &n); n > 0; path = component(path + n, &n)) {
-        if (n == 2 && strncmp(path, "..", 2) == 0) {
+        if (n == 2 && strncmp(path, "..", 2) == 0)
             return true;
-        }
     }
     return false;
 }
@@ -68,9 +64,8 @@ int access_root_check(const char *path, shear_error *err) {
 int access_roots_check(const access_roots *roots, shear_error *err) {
     for (size_t i = 0; i < roots->n; i++) {
         const int code = access_root_check(roots->names[i], err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -115,12 +110,10 @@ int access_roots_new(access_roots **out, char *const *paths, size_t n, shear_err
 }
 
 void access_roots_free(access_roots *roots) {
-    if (roots == NULL) {
+    if (roots == NULL)
         return;
-    }
-    for (size_t i = 0; i < roots->n; i++) {
+    for (size_t i = 0; i < roots->n; i++)
         free(roots->names[i]);
-    }
     free(roots->names);
     free(roots->text);
     free(roots);

@@ -21,12 +21,10 @@ int walk_name(int fd, char **name) {
     *name = NULL;
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
     const ssize_t n = readlink(path, text, sizeof text);
-    if (n < 0) {
+    if (n < 0)
         return errno;
-    }
-    if (n == (ssize_t)sizeof text) {
+    if (n == (ssize_t)sizeof text)
         return ENAMETOOLONG;
-    }
     text[n] = '\0';
     *name = strdup(text);
     return *name == NULL ? ENOMEM : 0;
@@ -35,9 +33,8 @@ int walk_name(int fd, char **name) {
 /* From *at one component on; *at is replaced. */
 static int step(int *at, const char *name) {
     const int next = openat(*at, name, O_PATH | O_NOFOLLOW | O_CLOEXEC);
-    if (next < 0) {
+    if (next < 0)
         return errno == EACCES ? EPERM : errno;
-    }
     close(*at);
     *at = next;
     return 0;
@@ -49,13 +46,11 @@ static int walk_along(char *way, const access_peer *peer, int *at) {
     char *rest = NULL;
     for (char *name = strtok_r(way, "/", &rest); name != NULL; name = strtok_r(NULL, "/", &rest)) {
         int error = permission_check(*at, peer, PERMIT_SEARCH, &st);
-        if (error != 0) {
+        if (error != 0)
             return error;
-        }
         error = step(at, name);
-        if (error != 0) {
+        if (error != 0)
             return error;
-        }
     }
     return 0;
 }
@@ -65,19 +60,15 @@ static int walk_once(int target, const access_peer *peer, char *way) {
     struct stat end = {0};
     struct stat wanted = {0};
     CLEANUP(release_fd) int at = open("/", O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (at < 0) {
+    if (at < 0)
         return errno;
-    }
     const int error = walk_along(way, peer, &at);
-    if (error != 0) {
+    if (error != 0)
         return error == ENOENT || error == ENOTDIR ? ESTALE : error;
-    }
-    if (fstat(target, &wanted) != 0 || fstat(at, &end) != 0) {
+    if (fstat(target, &wanted) != 0 || fstat(at, &end) != 0)
         return errno;
-    }
-    if (wanted.st_dev != end.st_dev || wanted.st_ino != end.st_ino) {
+    if (wanted.st_dev != end.st_dev || wanted.st_ino != end.st_ino)
         return ESTALE;
-    }
     return permission_check(target, peer, S_ISDIR(wanted.st_mode) ? PERMIT_SEARCH : PERMIT_READ,
                             &wanted);
 }
@@ -86,26 +77,22 @@ static int walk_once(int target, const access_peer *peer, char *way) {
 static int walk_by_name(int target, const access_peer *peer, char **name) {
     CLEANUP(release_free) char *way = NULL;
     int error = walk_name(target, &way);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     assert(way != NULL);
     CLEANUP(release_free) char *copy = strdup(way);
     error = copy == NULL ? ENOMEM : walk_once(target, peer, copy);
-    if (error == 0 && name != NULL) {
+    if (error == 0 && name != NULL)
         *name = CLEANUP_TAKE(way);
-    }
     return error;
 }
 
 int walk_check(int target, const access_peer *peer, char **name) {
     int error = ESTALE;
-    for (int i = 0; i < WALK_TRIES && error == ESTALE; i++) {
+    for (int i = 0; i < WALK_TRIES && error == ESTALE; i++)
         error = walk_by_name(target, peer, name);
-    }
-    if (error != ESTALE) {
+    if (error != ESTALE)
         return error;
-    }
     struct stat st;
     return fstat(target, &st) == 0 && st.st_nlink == 0 ? ENOENT : EAGAIN;
 }

@@ -61,9 +61,8 @@ bool budget_change(job *j, int64_t bytes) {
     engine *e = j->engine;
     pthread_mutex_lock(&e->lock);
     const bool possible = bytes <= j->reserved || has_room(e, bytes - j->reserved);
-    if (possible) {
+    if (possible)
         reserve(e, j, bytes);
-    }
     pthread_mutex_unlock(&e->lock);
     return possible;
 }

@@ -31,9 +31,8 @@ bool engine_next_event(engine *e, engine_event *event) {
 
 static job *find(engine *e, int64_t id) {
     job *j = e->jobs;
-    while (j != NULL && j->id != id) {
+    while (j != NULL && j->id != id)
         j = j->next;
-    }
     return j;
 }
 
@@ -41,18 +40,16 @@ static job *find(engine *e, int64_t id) {
  * owed their past. */
 static int64_t least_served(const engine *e) {
     int64_t least = INT64_MAX;
-    for (const job *j = e->jobs; j != NULL; j = j->next) {
+    for (const job *j = e->jobs; j != NULL; j = j->next)
         least = j->served < least ? j->served : least;
-    }
     return least == INT64_MAX ? 0 : least;
 }
 
 static void stop(engine *e, job *j) {
     j->stop_asked = true;
     atomic_store(&j->stopping, true);
-    if (j->phase == JOB_MEASURING) {
+    if (j->phase == JOB_MEASURING)
         shear_work_stop(j->work);
-    }
     pthread_cond_broadcast(&e->progressed);
 }
 
@@ -60,9 +57,8 @@ static void stop(engine *e, job *j) {
 
 static int start_worker(engine *e, int slot) {
     worker_start *start = malloc(sizeof *start);
-    if (start == NULL) {
+    if (start == NULL)
         return ENOMEM;
-    }
     *start = (worker_start){.e = e, .slot = slot};
     const int rc = start_thread(&e->threads[slot], worker_main, start);
     if (rc != 0) {
@@ -87,9 +83,8 @@ static int start_workers(engine *e, shear_error *err) {
 int engine_new(engine **out, const engine_options *options, shear_error *err) {
     CLEANUP(engine_release) engine *e = calloc(1, sizeof *e);
     *out = NULL;
-    if (e == NULL) {
+    if (e == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
-    }
     e->options = *options;
     e->budget.total = options->memory_bytes;
     event_queue_init(&e->events, options->wake, options->context);
@@ -100,36 +95,30 @@ int engine_new(engine **out, const engine_options *options, shear_error *err) {
     e->scratch = strdup(options->limits.scratch);
     e->threads = calloc((size_t)options->workers, sizeof(pthread_t));
     e->plans = plan_cache_new(options->plans_count, options->plans_bytes);
-    if (e->program == NULL || e->scratch == NULL || e->threads == NULL || e->plans == NULL) {
+    if (e->program == NULL || e->scratch == NULL || e->threads == NULL || e->plans == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
-    }
     engine_limit_readers(e, &options->limits);
     const int code = start_workers(e, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *out = CLEANUP_TAKE(e);
     return SHEAR_OK;
 }
 
 void engine_free(engine *e) {
-    if (e == NULL) {
+    if (e == NULL)
         return;
-    }
     event_queue_silence(&e->events);
     pthread_mutex_lock(&e->lock);
     e->stopping = true;
-    for (job *j = e->jobs; j != NULL; j = j->next) {
+    for (job *j = e->jobs; j != NULL; j = j->next)
         stop(e, j);
-    }
     pthread_cond_broadcast(&e->work_available);
-    while (e->job_threads > 0) {
+    while (e->job_threads > 0)
         pthread_cond_wait(&e->progressed, &e->lock);
-    }
     pthread_mutex_unlock(&e->lock);
-    for (int i = 0; i < e->n_threads; i++) {
+    for (int i = 0; i < e->n_threads; i++)
         pthread_join(e->threads[i], NULL);
-    }
     event_queue_deinit(&e->events);
     plan_cache_free(e->plans);
     pthread_mutex_destroy(&e->lock);
@@ -149,9 +138,8 @@ const char *engine_get_scratch(const engine *e) {
 
 int engine_add(engine *e, const engine_job *spec, shear_error *err) {
     job *j = job_new(spec, e);
-    if (j == NULL) {
+    if (j == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a job");
-    }
     pthread_t thread;
     pthread_mutex_lock(&e->lock);
     const int rc = start_thread(&thread, job_thread_main, j); /* it waits for the lock */
@@ -173,9 +161,8 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
 /* A copy; NULL where there are none, or memory is out: then the job begins again. */
 static shear_symmetry *copy_terms(const shear_symmetry *terms) {
     shear_symmetry *copy = NULL;
-    if (terms == NULL || shear_symmetry_new(&copy, NULL) != SHEAR_OK) {
+    if (terms == NULL || shear_symmetry_new(&copy, NULL) != SHEAR_OK)
         return NULL;
-    }
     if (shear_symmetry_join(copy, terms, 0, NULL) != SHEAR_OK) {
         shear_symmetry_free(copy);
         return NULL;
@@ -206,9 +193,8 @@ void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
 void engine_stop_job(engine *e, int64_t id) {
     pthread_mutex_lock(&e->lock);
     job *j = find(e, id);
-    if (j != NULL) {
+    if (j != NULL)
         stop(e, j);
-    }
     pthread_mutex_unlock(&e->lock);
 }
 
@@ -236,9 +222,8 @@ bool engine_partial(engine *e, int64_t id, shear_field_sums *sums) {
     job *j = find(e, id);
     const bool known = j != NULL && j->phase == JOB_MEASURING;
     if (known) {
-        if (j->before != NULL) {
+        if (j->before != NULL)
             shear_field_sums_join(sums, j->before);
-        }
         shear_work_join_into(j->work, sums);
     }
     pthread_mutex_unlock(&e->lock);
@@ -246,9 +231,8 @@ bool engine_partial(engine *e, int64_t id, shear_field_sums *sums) {
 }
 
 static int64_t blocks_left(const job *j) {
-    if (j->phase != JOB_MEASURING) {
+    if (j->phase != JOB_MEASURING)
         return 0;
-    }
     const shear_work_status status = shear_work_get_status(j->work);
     return (status.stamps_total - status.stamps_done + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
 }

@@ -26,9 +26,8 @@ void event_queue_init(event_queue *q, void (*wake)(void *context), void *context
 
 void event_queue_deinit(event_queue *q) {
     engine_event event;
-    while (event_queue_pop(q, &event)) {
+    while (event_queue_pop(q, &event))
         engine_event_deinit(&event);
-    }
     pthread_mutex_destroy(&q->lock);
 }
 
@@ -52,17 +51,15 @@ static queued_event *allocate(void) {
 void event_queue_push(event_queue *q, const engine_event *event, const pthread_t *last_of) {
     queued_event *one = allocate();
     *one = (queued_event){.event = *event, .is_last = last_of != NULL};
-    if (last_of != NULL) {
+    if (last_of != NULL)
         one->thread = *last_of;
-    }
     pthread_mutex_lock(&q->lock);
     *q->last = one;
     q->last = &one->next;
     const bool silent = q->silent;
     pthread_mutex_unlock(&q->lock);
-    if (!silent) {
+    if (!silent)
         q->wake(q->context);
-    }
 }
 
 bool event_queue_pop(event_queue *q, engine_event *event) {
@@ -70,17 +67,14 @@ bool event_queue_pop(event_queue *q, engine_event *event) {
     queued_event *one = q->first;
     if (one != NULL) {
         q->first = one->next;
-        if (q->first == NULL) {
+        if (q->first == NULL)
             q->last = &q->first;
-        }
     }
     pthread_mutex_unlock(&q->lock);
-    if (one == NULL) {
+    if (one == NULL)
         return false;
-    }
-    if (one->is_last) {
+    if (one->is_last)
         pthread_join(one->thread, NULL);
-    }
     *event = one->event;
     free(one);
     return true;

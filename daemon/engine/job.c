@@ -46,13 +46,11 @@ job *job_new(const engine_job *spec, engine *e) {
 }
 
 void job_free(job *j) {
-    if (j == NULL) {
+    if (j == NULL)
         return;
-    }
     assert(j->holders == 0);
-    for (int i = 0; j->team != NULL && i < j->workers; i++) {
+    for (int i = 0; j->team != NULL && i < j->workers; i++)
         shear_worker_free(j->team[i]);
-    }
     free(j->team);
     free(j->entering);
     free(j->is_member);

@@ -39,9 +39,8 @@ void job_files_close(job_files *f) {
         free((char *)f->input.parts[i].path);
         free((char *)f->input.parts[i].extname);
         f->input.parts[i] = (shear_input_part){.hdu = -1};
-        if (f->fds[i] >= 0) {
+        if (f->fds[i] >= 0)
             close(f->fds[i]);
-        }
         f->fds[i] = -1;
     }
 }
@@ -55,9 +54,8 @@ int64_t job_files_bytes(const job_files *f) {
     int64_t bytes = 0;
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         bool counted = f->fds[i] < 0;
-        for (int before = 0; before < i; before++) {
+        for (int before = 0; before < i; before++)
             counted = counted || is_same_file(f, before, i);
-        }
         bytes += counted ? 0 : f->initial[i].st_size;
     }
     return bytes;
@@ -76,9 +74,8 @@ int job_files_check(const job_files *f, shear_error *err) {
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         struct stat now;
         const char *name = f->input.path != NULL ? f->input.path : f->input.parts[i].path;
-        if (f->fds[i] < 0) {
+        if (f->fds[i] < 0)
             continue;
-        }
         if (fstat(f->fds[i], &now) != 0) {
             return shear_fail(err, SHEAR_E_IO, NULL, "%.300s: cannot be examined: %s", name,
                               strerror(errno));

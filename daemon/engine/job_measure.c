@@ -17,9 +17,8 @@ static int sync_rows(void *self, int64_t rows, shear_error *err) {
 static int open_catalog(job *j, int64_t *first_block, shear_error *err) {
     const shear_field_info *info = reader_get_info(j->reader);
     const int64_t rows = *first_block * SHEAR_BLOCK;
-    if (j->catalog_path == NULL) {
+    if (j->catalog_path == NULL)
         return SHEAR_OK;
-    }
     if (*first_block > 0 &&
         shear_catalog_resume(&j->catalog, j->catalog_path, info, j->checksum,
                              rows < info->n_stamps ? rows : info->n_stamps, err) == SHEAR_OK) {
@@ -59,13 +58,11 @@ static int read_block(void *self, int slot, int64_t first, int count, const shea
 static int read_sums_before(job *j, int64_t *first_block, shear_error *err) {
     shear_result r;
     *first_block = 0;
-    if (j->first_block == 0) {
+    if (j->first_block == 0)
         return SHEAR_OK;
-    }
     const int code = shear_field_sums_parse(&j->before, j->sums_before, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_field_result(j->before, &r);
     const bool whole =
         j->terms_before != NULL && (int64_t)shear_symmetry_count(j->terms_before) == r.n_used;
@@ -90,14 +87,12 @@ static int resume(job *j, int64_t *first_block, shear_error *err) {
 int job_begin(job *j, shear_error *err) {
     int64_t first_block = 0;
     const int code = resume(j, &first_block, err);
-    if (first_block == 0) {
+    if (first_block == 0)
         forget_before(j);
-    }
     j->checkpoint_block = j->terms_block = first_block;
     j->checkpoint_ms = clock_ms(CLOCK_MONOTONIC);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const shear_work_spec spec = {.info = reader_get_info(j->reader),
                                   .plan = j->plan,
                                   .source = {.self = j, .read = read_block},

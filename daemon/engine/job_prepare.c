@@ -18,9 +18,8 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
     const shear_geometry *g = &reader_get_info(j->reader)->geometry;
     const double *psf = NULL;
     const int code = reader_read_psf(j->reader, index, &psf, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     memcpy(out, psf, (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *out);
     return SHEAR_OK;
 }
@@ -30,9 +29,8 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
 /* What the job takes beside its plan, with so many workers. */
 static int64_t beside_plan(const job *j, int team) {
     int64_t bytes = reader_shared_bytes(j->reader) + team * shear_worker_bytes(j->plan, j->size);
-    if (shear_estimator_is_symmetric(j->settings.estimator)) {
+    if (shear_estimator_is_symmetric(j->settings.estimator))
         bytes += TERMS_COPIES * reader_get_info(j->reader)->n_stamps * SHEAR_SYMMETRY_BYTES;
-    }
     return bytes;
 }
 
@@ -40,9 +38,8 @@ static int64_t beside_plan(const job *j, int team) {
 static int team_for(const job *j) {
     const int64_t left = budget_total(j) - shear_plan_bytes(j->plan);
     int team = j->workers;
-    while (team > 0 && beside_plan(j, team) > left) {
+    while (team > 0 && beside_plan(j, team) > left)
         team--;
-    }
     return team;
 }
 
@@ -72,27 +69,22 @@ static int plan_within_budget(job *j, const shear_plan_request *request, shear_e
     plan_cache *plans = j->engine->plans;
     shear_memory memory;
     int code = shear_plan_memory(&memory, request, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const int64_t planning = memory.plan + memory.planning;
     for (int64_t bytes = planning;;) {
         code = reserve(j, bytes, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         code = plan_cache_acquire(plans, request, &j->plan, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         j->team_size = team_for(j);
-        if (j->team_size == 0) {
+        if (j->team_size == 0)
             return refuse(j, memory.plan + beside_plan(j, 1), err);
-        }
         const int64_t rest = beside_plan(j, j->team_size);
-        if (budget_change(j, rest)) {
+        if (budget_change(j, rest))
             return SHEAR_OK;
-        }
         plan_cache_release(plans, j->plan);
         j->plan = NULL;
         bytes = memory.plan + rest > planning ? memory.plan + rest : planning;
@@ -105,9 +97,8 @@ static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
     const shear_psf_source psfs = {.self = j, .read = read_psf};
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
     int code = shear_plan_request_read(&request, &j->settings, info, psfs, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const shear_source source = {.self = j->reader, .read = reader_read};
     const int capacity = j->size.stamps < SHEAR_BLOCK ? j->size.stamps : SHEAR_BLOCK;
     code = shear_plan_request_sample(&request, info, source, capacity, err);
@@ -118,9 +109,8 @@ static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
 
 static int open_and_hash(job *j, engine_event *event, shear_error *err) {
     int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     event->info = *reader_get_info(j->reader);
     event->guards = reader_get_guards(j->reader);
     atomic_store(&j->stage, ENGINE_HASHING);
@@ -132,18 +122,15 @@ static int open_and_hash(job *j, engine_event *event, shear_error *err) {
 static int prepare(job *j, engine_event *event, shear_error *err) {
     int code = open_and_hash(j, event, err);
     atomic_store(&j->stage, ENGINE_PREPARING);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     j->size = shear_unit_size_for(&event->info, j->workers);
     code = reader_map(j->reader, j->workers, j->size.stamps, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = make_plan(j, &event->info, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     event->plan = *shear_plan_get_info(j->plan);
     return SHEAR_OK;
 }
@@ -151,7 +138,6 @@ static int prepare(job *j, engine_event *event, shear_error *err) {
 void job_prepare(job *j, engine_event *event) {
     *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
     atomic_store(&j->stage, ENGINE_OPENING);
-    if (prepare(j, event, &event->error) != SHEAR_OK) {
+    if (prepare(j, event, &event->error) != SHEAR_OK)
         event->kind = job_failure_event(j, &event->error);
-    }
 }

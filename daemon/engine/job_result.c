@@ -21,22 +21,18 @@ static void job_sums_deinit(job_sums *f) {
 /* Terms: the work's from the `from`-th on. */
 static int job_sums_join(job_sums *f, const job *j, size_t from, shear_error *err) {
     int code = shear_field_sums_new(&f->sums, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (shear_estimator_is_symmetric(j->settings.estimator)) {
         code = shear_symmetry_new(&f->terms, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     code = shear_work_join_terms(j->work, f->sums, from, f->terms, &f->next_block, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (j->before != NULL) {
+    if (j->before != NULL)
         shear_field_sums_join(f->sums, j->before);
-    }
     return SHEAR_OK;
 }
 
@@ -46,9 +42,8 @@ static int job_sums_write(const job_sums *f, engine_event *event, shear_error *e
     if (f->terms != NULL) {
         event->terms_size = shear_symmetry_count(f->terms) * SHEAR_SYMMETRY_BYTES;
         event->terms = malloc(event->terms_size > 0 ? event->terms_size : 1);
-        if (event->terms == NULL) {
+        if (event->terms == NULL)
             return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the terms of a job");
-        }
         shear_symmetry_bytes(f->terms, 0, event->terms);
     }
     return shear_field_sums_format(f->sums, &event->sums, err);
@@ -60,22 +55,19 @@ static int job_sums_write(const job_sums *f, engine_event *event, shear_error *e
 static int make_checkpoint(job *j, engine_event *event, shear_error *err) {
     CLEANUP(job_sums_deinit) job_sums f = {0};
     int code = job_sums_join(&f, j, j->terms_saved, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = job_files_check(&j->files, err); /* after the blocks have been read */
     if (code != SHEAR_OK) {
         shear_work_fail(j->work, err);
         return code;
     }
     code = shear_work_sync(j->work, f.next_block, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = job_sums_write(&f, event, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     event->from_block = j->terms_block;
     j->terms_saved += f.terms != NULL ? shear_symmetry_count(f.terms) : 0;
     j->terms_block = f.next_block;
@@ -97,9 +89,8 @@ void job_save_checkpoint(job *j) {
 /* ---- the end ---- */
 
 enum engine_event_kind job_failure_event(const job *j, shear_error *err) {
-    if (err->code == READER_E_STOPPED) {
+    if (err->code == READER_E_STOPPED)
         return ENGINE_STOPPED;
-    }
     job_files_check(&j->files, err);
     return ENGINE_FAILED;
 }
@@ -116,23 +107,19 @@ static int finish_catalog(job *j, const shear_result *result, shear_error *err) 
 static int complete(job *j, engine_event *event, shear_error *err) {
     CLEANUP(job_sums_deinit) job_sums f = {0};
     int code = job_files_check(&j->files, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = job_sums_join(&f, j, 0, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (j->terms_before != NULL) {
         code = shear_symmetry_join(f.terms, j->terms_before, 0, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     code = shear_estimate(j->settings.estimator, f.sums, f.terms, &event->result, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = job_sums_write(&f, event, err);
     return code != SHEAR_OK || j->catalog == NULL ? code : finish_catalog(j, &event->result, err);
 }

@@ -14,9 +14,8 @@ static void set_phase(engine *e, job *j, enum job_phase phase) {
 /* Wait for the owner's word. True: measure it; false: it is to be stopped. */
 static bool wait_for_go(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
-    while (!j->go && !j->stop_asked) {
+    while (!j->go && !j->stop_asked)
         pthread_cond_wait(&e->progressed, &e->lock);
-    }
     const bool go = !j->stop_asked;
     pthread_mutex_unlock(&e->lock);
     return go;
@@ -30,13 +29,11 @@ static void wait_until_measured(engine *e, job *j) {
     j->counted =
         shear_work_get_status(j->work).stamps_done; /* from a checkpoint: before our time */
     atomic_store(&j->stage, ENGINE_MEASURING);
-    if (j->stop_asked) {
+    if (j->stop_asked)
         shear_work_stop(j->work);
-    }
     job_call_workers(j);
-    while (!job_is_measured(j)) {
+    while (!job_is_measured(j))
         pthread_cond_wait(&e->progressed, &e->lock);
-    }
     j->phase = JOB_FINISHING;
     atomic_store(&j->stage, ENGINE_FINISHING);
     pthread_mutex_unlock(&e->lock);
@@ -45,9 +42,8 @@ static void wait_until_measured(engine *e, job *j) {
 /* From the open file to the last event. */
 static void measure(engine *e, job *j, engine_event *event) {
     *event = (engine_event){.kind = ENGINE_STOPPED, .job = j->id};
-    if (!wait_for_go(e, j)) {
+    if (!wait_for_go(e, j))
         return;
-    }
     if (job_begin(j, &event->error) != SHEAR_OK) {
         event->kind = ENGINE_FAILED;
         return;
@@ -59,17 +55,15 @@ static void measure(engine *e, job *j, engine_event *event) {
     }
     wait_until_measured(e, j);
     job_finish(j, event);
-    if (event->kind == ENGINE_STOPPED) {
+    if (event->kind == ENGINE_STOPPED)
         job_save_checkpoint(j);
-    }
 }
 
 static void unlink_job(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
     job **at = &e->jobs;
-    while (*at != j) {
+    while (*at != j)
         at = &(*at)->next;
-    }
     *at = j->next;
     pthread_mutex_unlock(&e->lock);
 }

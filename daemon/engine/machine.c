@@ -22,9 +22,8 @@ static int64_t read_limit(const char *group, const char *name) {
     int64_t bytes = 0;
     snprintf(path, sizeof path, "%s/%s", group, name);
     CLEANUP(release_file) FILE *f = fopen(path, "re");
-    if (f == NULL || fgets(line, sizeof line, f) == NULL) {
+    if (f == NULL || fgets(line, sizeof line, f) == NULL)
         return INT64_MAX;
-    }
     line[strcspn(line, "\n")] = '\0';
     return text_to_int64(line, &bytes) && bytes > 0 ? bytes : INT64_MAX;
 }
@@ -52,9 +51,8 @@ int64_t machine_cgroup_memory(const char *membership, const char *root) {
         bytes =
             least(bytes, least(read_limit(path, "memory.max"), read_limit(path, "memory.high")));
         char *slash = strrchr(path, '/');
-        if (slash == NULL) {
+        if (slash == NULL)
             break;
-        }
         *slash = '\0';
     }
     return bytes;
@@ -65,11 +63,9 @@ int64_t machine_memory(void) {
     const long page = sysconf(_SC_PAGESIZE);
     struct rlimit space;
     int64_t bytes = machine_cgroup_memory("/proc/self/cgroup", "/sys/fs/cgroup");
-    if (pages > 0 && page > 0) {
+    if (pages > 0 && page > 0)
         bytes = least(bytes, (int64_t)pages * page);
-    }
-    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur < INT64_MAX) {
+    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur < INT64_MAX)
         bytes = least(bytes, (int64_t)space.rlim_cur);
-    }
     return bytes;
 }

@@ -45,9 +45,8 @@ static bool key_make(key *k, const shear_plan_request *request) {
     size_t n = 0;
     FILE *out = open_memstream(&text, &n);
     *k = (key){0};
-    if (out == NULL) {
+    if (out == NULL)
         return false;
-    }
     for (size_t i = 0; i < n_settings; i++) {
         char value[64];
         fprintf(out, "%s;",
@@ -57,9 +56,8 @@ static bool key_make(key *k, const shear_plan_request *request) {
             request->has_r_gal, request->psf != NULL ? 0.0 : request->r_psf_px, request->core_px);
     fwrite(request->psf != NULL ? (const void *)request->psf : "", 1, n_psf, out);
     fprintf(out, "%d;%d;", request->n_psfs, request->n_unusable);
-    for (int i = 0; i < request->n_psfs; i++) {
+    for (int i = 0; i < request->n_psfs; i++)
         fwrite(&request->psfs[i], 1, sizeof request->psfs[i], out);
-    }
     if (fclose(out) != 0) {
         free(text);
         return false;
@@ -81,9 +79,8 @@ static bool key_equal(const key *a, const key *b) {
 static kept_plan *find(plan_cache *p, const key *k) {
     kept_plan *kept = NULL;
     TAILQ_FOREACH(kept, &p->list, link) {
-        if (key_equal(&kept->key, k)) {
+        if (key_equal(&kept->key, k))
             return kept;
-        }
     }
     return NULL;
 }
@@ -110,9 +107,8 @@ static void shrink(plan_cache *p, int64_t max_count, int64_t max_bytes) {
     kept_plan *next = NULL;
     for (kept_plan *kept = TAILQ_LAST(&p->list, plan_list_head); kept != NULL; kept = next) {
         next = TAILQ_PREV(kept, plan_list_head, link);
-        if (p->statistics.count <= max_count && p->statistics.bytes <= max_bytes) {
+        if (p->statistics.count <= max_count && p->statistics.bytes <= max_bytes)
             return;
-        }
         if (kept->users == 0) {
             TAILQ_REMOVE(&p->list, kept, link);
             p->statistics.count--;
@@ -144,9 +140,8 @@ void plan_cache_limit(plan_cache *p, int64_t max_count, int64_t max_bytes) {
 }
 
 void plan_cache_free(plan_cache *p) {
-    if (p == NULL) {
+    if (p == NULL)
         return;
-    }
     plan_cache_limit(p, 0, 0);
     pthread_mutex_destroy(&p->lock);
     free(p);
@@ -156,13 +151,11 @@ void plan_cache_free(plan_cache *p) {
 static int make(plan_cache *p, key *k, const shear_plan_request *request, const shear_plan **plan,
                 shear_error *err) {
     CLEANUP(kept_plan_release) kept_plan *fresh = calloc(1, sizeof *fresh);
-    if (fresh == NULL) {
+    if (fresh == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
-    }
     const int code = shear_plan_new(&fresh->plan, request, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     fresh->key = *k;
     *k = (key){0};
     fresh->bytes = shear_plan_bytes(fresh->plan) + (int64_t)fresh->key.n;
@@ -184,9 +177,8 @@ static int make(plan_cache *p, key *k, const shear_plan_request *request, const 
 static const shear_plan *acquire_kept(plan_cache *p, const key *k) {
     pthread_mutex_lock(&p->lock);
     kept_plan *kept = find(p, k);
-    if (kept != NULL) {
+    if (kept != NULL)
         use(p, kept);
-    }
     p->statistics.hits += kept != NULL;
     p->statistics.misses += kept == NULL;
     pthread_mutex_unlock(&p->lock);
@@ -197,9 +189,8 @@ int plan_cache_acquire(plan_cache *p, const shear_plan_request *request, const s
                        shear_error *err) {
     CLEANUP(key_deinit) key k = {0};
     *plan = NULL;
-    if (!key_make(&k, request)) {
+    if (!key_make(&k, request))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
-    }
     *plan = acquire_kept(p, &k);
     return *plan != NULL ? SHEAR_OK : make(p, &k, request, plan, err);
 }
@@ -214,9 +205,8 @@ int64_t plan_cache_shrink_to(plan_cache *p, int64_t bytes) {
 
 void plan_cache_release(plan_cache *p, const shear_plan *plan) {
     kept_plan *kept = NULL;
-    if (plan == NULL) {
+    if (plan == NULL)
         return;
-    }
     pthread_mutex_lock(&p->lock);
     TAILQ_FOREACH(kept, &p->list, link) {
         if (kept->plan == plan) {

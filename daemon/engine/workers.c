@@ -68,18 +68,16 @@ static void serve(engine *e, job *j, int slot) {
     e->busy++;
     pthread_mutex_unlock(&e->lock);
     job_step(j, slot, &err);
-    if (checkpoint_due(e, j)) {
+    if (checkpoint_due(e, j))
         job_save_checkpoint(j);
-    }
     pthread_mutex_lock(&e->lock);
     e->busy--;
     count_stamps(e, j);
     j->reading -= j->entering[slot];
     j->entering[slot] = false;
     j->holders--;
-    if (job_is_measured(j)) {
+    if (job_is_measured(j))
         pthread_cond_broadcast(&e->progressed);
-    }
 }
 
 void *worker_main(void *argument) {

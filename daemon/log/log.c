@@ -92,9 +92,8 @@ static size_t escape(char *out, const char *text) {
 static size_t begin_line(char *line, size_t size, enum log_level level, int64_t ms) {
     static const int priorities[] = {3, 4, 5, 6, 7};
     static const char *const names[] = {"error", "warning", "notice", "info", "debug"};
-    if (journal) {
+    if (journal)
         return (size_t)snprintf(line, size, "<%d>", priorities[level]);
-    }
     const time_t seconds = (time_t)(ms / 1000);
     struct tm tm = {0};
     char date[32];
@@ -115,14 +114,12 @@ static bool hand_over(enum log_level level, const char *text, int64_t ms) {
  * lines. */
 static void tell_losses(int64_t ms) {
     char text[128];
-    if (losses.untold == 0 || outlet_waiting() > OUTLET_BYTES / 2) {
+    if (losses.untold == 0 || outlet_waiting() > OUTLET_BYTES / 2)
         return;
-    }
     snprintf(text, sizeof text, "%lld lines of the log were lost here: nobody read it",
              (long long)losses.untold);
-    if (hand_over(LOG_LEVEL_WARNING, text, ms)) {
+    if (hand_over(LOG_LEVEL_WARNING, text, ms))
         losses.untold = losses.since_ms = 0;
-    }
 }
 
 static void write_message(enum log_level level, const char *text, int64_t ms) {

@@ -25,9 +25,8 @@ static void *serve(void *nothing) {
     char chunk[CHUNK];
     pthread_mutex_lock(&lock);
     for (;;) {
-        while (count == 0) {
+        while (count == 0)
             pthread_cond_wait(&filled, &lock);
-        }
         const size_t to_end = OUTLET_BYTES - first;
         const size_t at_most = count < to_end ? count : to_end;
         const size_t n = at_most < CHUNK ? at_most : CHUNK;
@@ -52,9 +51,8 @@ static bool start_thread(void) {
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const bool started = pthread_create(&thread, NULL, serve, NULL) == 0;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (started) {
+    if (started)
         pthread_detach(thread);
-    }
     return started;
 }
 
@@ -63,9 +61,8 @@ void outlet_open(int fd) {
     pthread_mutex_lock(&lock);
     target = fd;
     through_thread = fstat(fd, &st) != 0 || !S_ISREG(st.st_mode);
-    if (through_thread && !has_thread) {
+    if (through_thread && !has_thread)
         has_thread = through_thread = start_thread();
-    }
     pthread_mutex_unlock(&lock);
 }
 
@@ -103,9 +100,8 @@ bool outlet_drain(int timeout_ms) {
     end.tv_nsec += (timeout_ms % 1000) * 1000000L;
     end.tv_sec += end.tv_nsec / 1000000000L;
     end.tv_nsec %= 1000000000L;
-    while (count > 0 && rc == 0) {
+    while (count > 0 && rc == 0)
         rc = pthread_cond_clockwait(&emptied, &lock, CLOCK_MONOTONIC, &end);
-    }
     const bool empty = count == 0;
     pthread_mutex_unlock(&lock);
     return empty;

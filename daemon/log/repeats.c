@@ -6,9 +6,8 @@
 /* FNV-1a. */
 static uint64_t hash_of(enum log_level level, const char *text) {
     uint64_t h = UINT64_C(14695981039346656037) ^ (uint64_t)level;
-    for (const unsigned char *p = (const unsigned char *)text; *p != '\0'; p++) {
+    for (const unsigned char *p = (const unsigned char *)text; *p != '\0'; p++)
         h = (h ^ *p) * UINT64_C(1099511628211);
-    }
     return h;
 }
 
@@ -23,9 +22,8 @@ static repeated *place_of(repeats *r, uint64_t hash) {
     repeated *best = NULL;
     for (size_t i = 0; i < REPEATS_MESSAGES; i++) {
         repeated *m = &r->items[i];
-        if (m->seen > 0 && m->hash == hash) {
+        if (m->seen > 0 && m->hash == hash)
             return m;
-        }
         if (m->left_out == 0 &&
             (best == NULL || (best->seen > 0 && (m->seen == 0 || m->since_ms < best->since_ms)))) {
             best = m;
@@ -38,9 +36,8 @@ bool repeats_admit(repeats *r, enum log_level level, const char *text, unsigned 
                    int64_t interval_ms, int64_t now_ms) {
     const uint64_t hash = hash_of(level, text);
     repeated *m = place_of(r, hash);
-    if (m == NULL) {
+    if (m == NULL)
         return true;
-    }
     if (m->seen == 0 || m->hash != hash || is_over(m, interval_ms, now_ms)) {
         *m = (repeated){.hash = hash, .since_ms = now_ms, .level = level};
         snprintf(m->text, sizeof m->text, "%s", text);

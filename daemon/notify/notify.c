@@ -47,9 +47,8 @@ static int64_t read_watchdog(void) {
 
 static int open_socket(notify *n, const char *name, shear_error *err) {
     const int code = set_address(n, name, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     n->fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     return n->fd >= 0 ? SHEAR_OK
                       : shear_fail(err, SHEAR_E_IO, NULL, "no socket to notify systemd: %s",
@@ -60,9 +59,8 @@ int notify_init(notify *n, shear_error *err) {
     const char *name = getenv("NOTIFY_SOCKET");
     *n = (notify){.fd = -1};
     const int code = name != NULL && name[0] != '\0' ? open_socket(n, name, err) : SHEAR_OK;
-    if (n->fd >= 0) {
+    if (n->fd >= 0)
         n->watchdog_ms = read_watchdog();
-    }
     unsetenv("NOTIFY_SOCKET");
     unsetenv("WATCHDOG_USEC");
     unsetenv("WATCHDOG_PID");
@@ -70,16 +68,14 @@ int notify_init(notify *n, shear_error *err) {
 }
 
 void notify_deinit(notify *n) {
-    if (n->fd >= 0) {
+    if (n->fd >= 0)
         close(n->fd);
-    }
     *n = (notify){.fd = -1};
 }
 
 static int send_text(const notify *n, const char *text, shear_error *err) {
-    if (n->fd < 0) {
+    if (n->fd < 0)
         return SHEAR_OK;
-    }
     ssize_t sent;
     do {
         sent = sendto(n->fd, text, strlen(text), MSG_NOSIGNAL | MSG_DONTWAIT,

@@ -27,13 +27,11 @@ typedef struct child {
 } child;
 
 static int do_open(child *c, reader_reply *reply, shear_error *err) {
-    if (c->field != NULL) {
+    if (c->field != NULL)
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader has a file already");
-    }
     const int code = shear_field_open_input(&c->field, &c->input, c->fds, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     reply->info = *shear_field_get_info(c->field);
     reply->guards = c->guards;
     return SHEAR_OK;
@@ -77,9 +75,8 @@ static int do_hash(child *c, reader_reply *reply, shear_error *err) {
          i++) {
         code = shear_hashing_step(c->hashing, STEP, &done, err);
     }
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     reply->hashed = shear_hashing_bytes(c->hashing);
     if (done) {
         shear_hashing_text(c->hashing, reply->checksum);
@@ -114,14 +111,12 @@ static int serve(child *c) {
         if (got == 0 || (got < 0 && errno != EINTR)) {
             return 0; /* the daemon is done with us */
         }
-        if (got != (ssize_t)sizeof request || request.version != READER_WIRE_VERSION) {
+        if (got != (ssize_t)sizeof request || request.version != READER_WIRE_VERSION)
             continue;
-        }
         reader_reply reply = {.version = READER_WIRE_VERSION, .op = request.op};
         reply.code = answer(c, &request, &reply);
-        if (send(READER_FD_SOCKET, &reply, sizeof reply, MSG_NOSIGNAL) != (ssize_t)sizeof reply) {
+        if (send(READER_FD_SOCKET, &reply, sizeof reply, MSG_NOSIGNAL) != (ssize_t)sizeof reply)
             return 1;
-        }
     }
 }
 

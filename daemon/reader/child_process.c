@@ -23,9 +23,8 @@ static pid_t wait_for_end(pid_t pid, int *status) {
     pid_t got = 0;
     for (int i = 0; i < TRIES && got == 0; i++) {
         got = waitpid(pid, status, WNOHANG);
-        if (got == 0) {
+        if (got == 0)
             nanosleep(&pause, NULL);
-        }
     }
     return got;
 }

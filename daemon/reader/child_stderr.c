@@ -23,9 +23,8 @@ static void pass_on(const char *bytes, size_t n) {
 }
 
 static char printable(char c) {
-    if (c == '\n') {
+    if (c == '\n')
         return ' ';
-    }
     return (char)(c >= ' ' && c <= '~' ? c : '?');
 }
 
@@ -36,13 +35,11 @@ void child_stderr_read(int end, char *out, size_t size) {
     while ((got = read(end, bytes, sizeof bytes)) > 0) {
         pass_on(bytes, (size_t)got);
         for (ssize_t i = 0; i < got && used + 1 < size; i++) {
-            if (bytes[i] != '\n' || used > 0) {
+            if (bytes[i] != '\n' || used > 0)
                 out[used++] = printable(bytes[i]);
-            }
         }
     }
-    while (used > 0 && out[used - 1] == ' ') {
+    while (used > 0 && out[used - 1] == ' ')
         used--;
-    }
     out[used] = '\0';
 }

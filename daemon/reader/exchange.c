@@ -14,9 +14,8 @@
 
 /* The failure that is remembered. */
 static int fail_again(const reader *r, shear_error *err) {
-    if (err != NULL) {
+    if (err != NULL)
         *err = r->failure;
-    }
     return r->failed;
 }
 
@@ -77,12 +76,10 @@ static int wait_for_answer(reader *r, shear_error *err) {
             return SHEAR_OK; /* an error is recv's to tell */
         }
         const int code = scratch_check(&r->scratch, false, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
-        if (ready == 0 && left_ms <= LOOK_MS) {
+        if (ready == 0 && left_ms <= LOOK_MS)
             return stopping ? READER_E_STOPPED : READER_E_HUNG;
-        }
         if (!stopping && exchange_is_stopping(r)) {
             stopping = true;
             end_ms = end_ms < clock_ms(CLOCK_MONOTONIC) + GRACE_MS
@@ -100,9 +97,8 @@ static int failed_answer(const reader_reply *reply, shear_error *err) {
     if (err != NULL) {
         *err = reply->error;
         err->code = code;
-        if (memory && err->advice[0] == '\0') {
+        if (memory && err->advice[0] == '\0')
             snprintf(err->advice, sizeof err->advice, "allow the reader more ([reader] memory)");
-        }
     }
     return code;
 }
@@ -111,18 +107,16 @@ static int failed_answer(const reader_reply *reply, shear_error *err) {
  * is not waited for. */
 static ssize_t receive(const reader *r, reader_reply *reply) {
     ssize_t got = recv(r->socket, reply, sizeof *reply, MSG_DONTWAIT);
-    if (got < 0 && (errno == ECONNRESET || errno == EPIPE)) {
+    if (got < 0 && (errno == ECONNRESET || errno == EPIPE))
         got = recv(r->socket, reply, sizeof *reply, MSG_DONTWAIT);
-    }
     return got;
 }
 
 /* Its unpacked copies are too large, or others need the room. */
 static int evict(reader *r, const shear_error *why, shear_error *err) {
     char ignored[160];
-    if (r->pid > 0) {
+    if (r->pid > 0)
         child_process_reap(&r->pid, true, ignored, sizeof ignored);
-    }
     r->failure = *why;
     r->failed = why->code;
     return fail_again(r, err);
@@ -139,20 +133,16 @@ static int converse(reader *r, const reader_request *request, const char *what, 
     shear_error why;
     if (send(r->socket, request, sizeof *request, MSG_NOSIGNAL) == (ssize_t)sizeof *request) {
         const int waited = wait_for_answer(r, &why);
-        if (waited == SHEAR_E_FULL || waited == SHEAR_E_FORMAT) {
+        if (waited == SHEAR_E_FULL || waited == SHEAR_E_FORMAT)
             return evict(r, &why, err);
-        }
-        if (waited != SHEAR_OK) {
+        if (waited != SHEAR_OK)
             return exchange_give_up(r, waited, what, err);
-        }
     }
     const ssize_t got = receive(r, reply);
-    if (got <= 0) {
+    if (got <= 0)
         return exchange_give_up(r, READER_E_DIED, what, err);
-    }
-    if (!is_reply_to(request, reply, got)) {
+    if (!is_reply_to(request, reply, got))
         return exchange_give_up(r, READER_E_PROTOCOL, what, err);
-    }
     reply->error.message[sizeof reply->error.message - 1] = '\0';
     reply->error.advice[sizeof reply->error.advice - 1] = '\0';
     return SHEAR_OK;
@@ -162,13 +152,11 @@ int exchange_ask(reader *r, const reader_request *request, const char *what, rea
                  shear_error *err) {
     shear_error why;
     *reply = (reader_reply){.code = SHEAR_E_INTERNAL};
-    if (r->failed != 0) {
+    if (r->failed != 0)
         return fail_again(r, err);
-    }
     const int code = converse(r, request, what, reply, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const bool full = reply->code == SHEAR_E_FULL;
     const int kept = scratch_check(&r->scratch, full, &why);
     if (kept != SHEAR_OK && (full || reply->code == SHEAR_OK || kept == SHEAR_E_FORMAT)) {

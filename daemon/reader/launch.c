@@ -28,12 +28,10 @@ static void fill_arguments(arguments *a, const shear_input *input, int n_scratch
     snprintf(a->numbers[2], NUMBER, "%" PRId64, limits->unpacked_bytes);
     snprintf(a->numbers[3], NUMBER, "%d", n_scratch);
     a->argv[n++] = (char *)"sheard-reader";
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         a->argv[n++] = a->numbers[i];
-    }
-    if (input->path != NULL) {
+    if (input->path != NULL)
         a->argv[n++] = (char *)input->path;
-    }
     for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++) {
         const shear_input_part *part = &input->parts[i];
         snprintf(a->hdus[i], NUMBER, "%" PRId64, part->hdu);
@@ -50,9 +48,8 @@ static int add_descriptors(posix_spawn_file_actions_t *actions, int child_stderr
                            const int given[N_FDS], int from[N_FDS]) {
     int rc = posix_spawn_file_actions_adddup2(actions, child_stderr, STDERR_FILENO);
     for (int i = 0; i < N_FDS && rc == 0; i++) {
-        if (given[i] < 0) {
+        if (given[i] < 0)
             continue;
-        }
         from[i] = fcntl(given[i], F_DUPFD_CLOEXEC, 16);
         rc = from[i] < 0 ? errno
                          : posix_spawn_file_actions_adddup2(actions, from[i], READER_FD_SOCKET + i);
@@ -84,14 +81,12 @@ int launch_reader(pid_t *pid, const shear_input *input, const int *fds, launch_e
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     arguments a;
-    for (int i = 0; i < N_FDS; i++) {
+    for (int i = 0; i < N_FDS; i++)
         given[i] = from[i] = -1;
-    }
     given[0] = ends.socket;
     given[1] = ends.memory;
-    for (int i = 0; i < (input->path != NULL ? 1 : SHEAR_N_PARTS); i++) {
+    for (int i = 0; i < (input->path != NULL ? 1 : SHEAR_N_PARTS); i++)
         given[READER_FD_FILE - READER_FD_SOCKET + i] = fds[i];
-    }
     while (n_scratch < SHEAR_N_PARTS && ends.scratch[n_scratch] >= 0) {
         given[READER_FD_SCRATCH - READER_FD_SOCKET + n_scratch] = ends.scratch[n_scratch];
         n_scratch++;
@@ -101,13 +96,11 @@ int launch_reader(pid_t *pid, const shear_input *input, const int *fds, launch_e
     posix_spawnattr_init(&attributes);
     fill_attributes(&attributes);
     int rc = add_descriptors(&actions, ends.child_stderr, given, from);
-    if (rc == 0) {
+    if (rc == 0)
         rc = posix_spawn(pid, limits->program, &actions, &attributes, a.argv, environment);
-    }
     for (int i = 0; i < N_FDS; i++) {
-        if (from[i] >= 0) {
+        if (from[i] >= 0)
             close(from[i]);
-        }
     }
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);

@@ -27,13 +27,11 @@ static _Noreturn void end_as(pid_t child) {
 
 void sandbox_unshare(unsigned *guards) {
     prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
-    if (unshare(CLONE_NEWUSER | CLONE_NEWPID) != 0) {
+    if (unshare(CLONE_NEWUSER | CLONE_NEWPID) != 0)
         return;
-    }
     const pid_t child = fork();
-    if (child > 0) {
+    if (child > 0)
         end_as(child);
-    }
     if (child == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
         *guards |= SANDBOX_NAMESPACES;

@@ -27,14 +27,12 @@ static int own_directory(char *out, size_t size, shear_error *err) {
 int reader_find_program(char *path, size_t size, shear_error *err) {
     char directory[PATH_MAX];
     const int code = own_directory(directory, sizeof directory, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     for (int i = 0; i < N_PLACES; i++) {
         const int n = snprintf(path, size, "%s/%s", directory, places[i]);
-        if (n > 0 && (size_t)n < size && access(path, X_OK) == 0) {
+        if (n > 0 && (size_t)n < size && access(path, X_OK) == 0)
             return SHEAR_OK;
-        }
     }
     return shear_fail(
         err, SHEAR_E_IO, "install sheard again: no file can be read without this program",

@@ -19,9 +19,8 @@
 #include <unistd.h>
 
 static void close_one(int fd) {
-    if (fd >= 0) {
+    if (fd >= 0)
         close(fd);
-    }
 }
 
 /* The memory, the socket and the pipe, and the child at their other ends. Returns 0 or errno. */
@@ -30,9 +29,8 @@ static int launch(reader *r, const shear_input *input, const int *fds,
     int sockets[2] = {-1, -1};
     int pipe[2] = {-1, -1};
     r->memory_fd = memfd_create("sheard-stamps", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    if (r->memory_fd < 0 || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets) != 0) {
+    if (r->memory_fd < 0 || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets) != 0)
         return errno;
-    }
     int rc = child_stderr_pipe(pipe);
     r->socket = sockets[0];
     r->child_stderr = pipe[0];
@@ -50,12 +48,10 @@ static int open_field(reader *r, shear_error *err) {
     const reader_request request = {.version = READER_WIRE_VERSION, .op = READER_OPEN};
     reader_reply reply;
     const int code = exchange_ask(r, &request, what, &reply, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (!validate_info(&reply.info)) {
+    if (!validate_info(&reply.info))
         return exchange_give_up(r, READER_E_PROTOCOL, what, err);
-    }
     r->info = reply.info;
     r->guards = reply.guards;
     return SHEAR_OK;
@@ -67,9 +63,8 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
                  const reader_limits *limits, shear_error *err) {
     CLEANUP(reader_release) reader *r = calloc(1, sizeof *r);
     *out = NULL;
-    if (r == NULL) {
+    if (r == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a reader");
-    }
     *r = (reader){.socket = -1,
                   .memory_fd = -1,
                   .child_stderr = -1,
@@ -84,26 +79,22 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
                           "the reader '%s' does not start: %s", limits->program, strerror(rc));
     }
     const int code = open_field(r, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *out = CLEANUP_TAKE(r);
     return SHEAR_OK;
 }
 
 void reader_stop(reader *r) {
     char ignored[160];
-    if (r == NULL) {
+    if (r == NULL)
         return;
-    }
     close_one(r->socket);
     close_one(r->child_stderr);
-    if (r->pid > 0) {
+    if (r->pid > 0)
         child_process_reap(&r->pid, true, ignored, sizeof ignored);
-    }
-    if (r->memory != NULL) {
+    if (r->memory != NULL)
         munmap(r->memory, r->memory_bytes);
-    }
     close_one(r->memory_fd);
     scratch_close(&r->scratch);
     free(r->blocks);
@@ -125,23 +116,19 @@ int reader_checksum(reader *r, char out[SHEAR_CHECKSUM_SIZE], atomic_llong *hash
     reader_reply reply = {.hashed = 0};
     for (int64_t before = 0;; before = reply.hashed) {
         const int code = exchange_ask(r, &request, what, &reply, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         const bool done = reply.checksum[0] != '\0';
-        if (done ? !validate_checksum(reply.checksum) : reply.hashed <= before) {
+        if (done ? !validate_checksum(reply.checksum) : reply.hashed <= before)
             return exchange_give_up(r, READER_E_PROTOCOL, what, err);
-        }
-        if (hashed != NULL) {
+        if (hashed != NULL)
             atomic_store(hashed, reply.hashed);
-        }
         if (done) {
             memcpy(out, reply.checksum, SHEAR_CHECKSUM_SIZE);
             return SHEAR_OK;
         }
-        if (exchange_is_stopping(r)) {
+        if (exchange_is_stopping(r))
             return exchange_give_up(r, READER_E_STOPPED, what, err);
-        }
     }
 }
 
@@ -175,13 +162,11 @@ int reader_map(reader *r, int slots, int capacity, shear_error *err) {
             slots, capacity, r->memory_bytes, r->shared_bytes);
     }
     const int code = make_memory(r, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     r->blocks = calloc((size_t)slots, sizeof *r->blocks);
-    if (r->blocks == NULL) {
+    if (r->blocks == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d blocks", slots);
-    }
     const reader_request request = {.version = READER_WIRE_VERSION,
                                     .op = READER_MAP,
                                     .slots = slots,
@@ -223,9 +208,8 @@ int reader_read(void *self, int slot, int64_t first, int count, const shear_bloc
     b->stamps.count = count;
     b->stamps.n_psf = reply.n_psf;
     *block = b;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return reply.n_psf >= 0 && reply.n_psf <= count
                ? SHEAR_OK
                : exchange_give_up(r, READER_E_PROTOCOL, "read stamps", err);

@@ -49,9 +49,8 @@ static int fail_errno(shear_error *err, const char *what) {
 /* At most `value`, and never more than the limits that the service was started with. */
 static int limit(int resource, int64_t value, const char *what, shear_error *err) {
     struct rlimit r;
-    if (getrlimit((__rlimit_resource_t)resource, &r) != 0) {
+    if (getrlimit((__rlimit_resource_t)resource, &r) != 0)
         return fail_errno(err, what);
-    }
     r.rlim_max = (rlim_t)value < r.rlim_max ? (rlim_t)value : r.rlim_max;
     r.rlim_cur = r.rlim_max;
     return setrlimit((__rlimit_resource_t)resource, &r) == 0 ? SHEAR_OK : fail_errno(err, what);
@@ -73,9 +72,8 @@ static int set_limits(const sandbox_limits *limits, shear_error *err) {
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         if (all[i].wanted) {
             const int code = limit(all[i].resource, all[i].value, all[i].what, err);
-            if (code != SHEAR_OK) {
+            if (code != SHEAR_OK)
                 return code;
-            }
         }
     }
     return SHEAR_OK;
@@ -92,9 +90,8 @@ static int enter_landlock(unsigned *guards, shear_error *err) {
                              LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK |
                              LANDLOCK_ACCESS_FS_MAKE_SYM};
     const int ruleset = (int)syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0);
-    if (ruleset < 0) {
+    if (ruleset < 0)
         return errno == ENOSYS || errno == EOPNOTSUPP ? SHEAR_OK : fail_errno(err, "Landlock");
-    }
     const bool entered = syscall(SYS_landlock_restrict_self, ruleset, 0) == 0;
     const int code = entered ? SHEAR_OK : fail_errno(err, "Landlock rules");
     close(ruleset);
@@ -177,9 +174,8 @@ static int allow_some(scmp_filter_ctx filter) {
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
         const int rc = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, rules[i].call, rules[i].n,
                                               rules[i].arguments);
-        if (rc != 0) {
+        if (rc != 0)
             return rc;
-        }
     }
     return 0;
 }
@@ -187,18 +183,16 @@ static int allow_some(scmp_filter_ctx filter) {
 static int allow_plain(scmp_filter_ctx filter) {
     for (size_t i = 0; i < sizeof allowed / sizeof allowed[0]; i++) {
         const int rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
-        if (rc != 0) {
+        if (rc != 0)
             return rc;
-        }
     }
     return 0;
 }
 
 static int load(scmp_filter_ctx filter) {
     int rc = allow_some(filter);
-    if (rc != 0) {
+    if (rc != 0)
         return rc;
-    }
     rc = allow_plain(filter);
     return rc != 0 ? rc : seccomp_load(filter);
 }
@@ -208,28 +202,23 @@ static int enter_seccomp(shear_error *err) {
      * reader that was taken over gains nothing by trying. */
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     const int rc = filter != NULL ? load(filter) : -ENOMEM;
-    if (filter != NULL) {
+    if (filter != NULL)
         seccomp_release(filter);
-    }
     errno = -rc;
     return rc == 0 ? SHEAR_OK : fail_errno(err, "seccomp");
 }
 
 int sandbox_enter(const sandbox_limits *limits, unsigned *guards, shear_error *err) {
     int code = set_limits(limits, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0) {
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0)
         return fail_errno(err, "no new privileges");
-    }
-    if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0) {
+    if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0)
         return fail_errno(err, "not dumpable");
-    }
     code = enter_landlock(guards, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = enter_seccomp(err);
     *guards |= code == SHEAR_OK ? SANDBOX_SECCOMP | SANDBOX_UNDUMPABLE : 0U;
     return code;

@@ -19,23 +19,20 @@ enum { RESERVE_PART = 8 };
 
 void scratch_open(scratch *s, const char *directory, int64_t most, atomic_llong *used, int n) {
     *s = (scratch){.directory = directory, .most = most, .used = used};
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
         s->fds[i] = i < n ? io_open_nameless(directory) : -1;
-    }
 }
 
 static void account(scratch *s, int64_t own) {
-    if (s->used != NULL) {
+    if (s->used != NULL)
         atomic_fetch_add(s->used, own - s->own);
-    }
     s->own = own;
 }
 
 void scratch_close(scratch *s) {
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        if (s->fds[i] >= 0) {
+        if (s->fds[i] >= 0)
             close(s->fds[i]);
-        }
         s->fds[i] = -1;
     }
     account(s, 0);
@@ -45,9 +42,8 @@ static int64_t occupied(const scratch *s) {
     int64_t bytes = 0;
     struct stat st;
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        if (s->fds[i] >= 0 && fstat(s->fds[i], &st) == 0) {
+        if (s->fds[i] >= 0 && fstat(s->fds[i], &st) == 0)
             bytes += (int64_t)st.st_blocks * 512;
-        }
     }
     return bytes;
 }
@@ -55,9 +51,8 @@ static int64_t occupied(const scratch *s) {
 int scratch_check(scratch *s, bool full, shear_error *err) {
     struct statvfs disk;
     account(s, occupied(s));
-    if (s->own == 0 && !full) {
+    if (s->own == 0 && !full)
         return SHEAR_OK;
-    }
     int64_t capacity = s->most;
     bool low = full;
     if (s->fds[0] >= 0 && fstatvfs(s->fds[0], &disk) == 0) {
@@ -74,9 +69,8 @@ int scratch_check(scratch *s, bool full, shear_error *err) {
                           (long long)capacity, s->directory);
     }
     const bool shared_out = s->used != NULL && atomic_load(s->used) > s->most;
-    if (!low && !shared_out) {
+    if (!low && !shared_out)
         return SHEAR_OK;
-    }
     return shear_fail(err, SHEAR_E_FULL,
                       "free space there, set another directory ([reader] scratch), or submit "
                       "fewer gzipped files at once",
@@ -88,9 +82,8 @@ int scratch_check(scratch *s, bool full, shear_error *err) {
 
 static bool works(const char *directory) {
     const int fd = directory != NULL && directory[0] == '/' ? io_open_nameless(directory) : -1;
-    if (fd >= 0) {
+    if (fd >= 0)
         close(fd);
-    }
     return fd >= 0;
 }
 

@@ -9,16 +9,14 @@ static bool in_range(int64_t value, int64_t low, int64_t high) {
 
 static bool hdus_are_valid(const shear_field_info *info) {
     bool valid = true;
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
         valid = valid && in_range(info->hdu[i], i == SHEAR_PART_CATALOG ? -1 : 0, INT32_MAX);
-    }
     return valid;
 }
 
 static bool name_is_valid(const char *name) {
-    while (*name >= ' ' && *name <= '~') {
+    while (*name >= ' ' && *name <= '~')
         name++;
-    }
     return *name == '\0';
 }
 

@@ -50,15 +50,13 @@ static void refuse(connection *c, enum refusal why) {
     server *s = c->server;
     uv_buf_t buf = {.base = s->refusals[why], .len = s->refusal_bytes[why]};
     s->statistics.refused++;
-    if (uv_try_write((uv_stream_t *)&c->pipe, &buf, 1) > 0) {
+    if (uv_try_write((uv_stream_t *)&c->pipe, &buf, 1) > 0)
         s->statistics.errors[SHEARD_RPC_TOO_MANY_CONNECTIONS]++;
-    }
 }
 
 static bool let_in(connection *c) {
-    if (!begin(c)) {
+    if (!begin(c))
         return false;
-    }
     const enum refusal why = find_refusal(c);
     if (why != N_REFUSALS) {
         refuse(c, why);
@@ -70,9 +68,8 @@ static bool let_in(connection *c) {
 /* False: out of memory, the client still waits. */
 static bool accept_client(server *s, uv_stream_t *listener) {
     connection *c = calloc(1, sizeof *c);
-    if (c == NULL) {
+    if (c == NULL)
         return false;
-    }
     c->server = s;
     c->active_ms = uv_now(s->loop);
     sheard_frame_init(&c->frame, s->limits.line_bytes);
@@ -93,14 +90,12 @@ static bool accept_client(server *s, uv_stream_t *listener) {
 void accept_on_connection(uv_stream_t *listener, int status) {
     server *s = listener->data;
     /* An error (too many descriptors, say) ends the accept of one client; the next is another. */
-    if (status == 0 && scheduler_may_accept(s) && !accept_client(s, listener)) {
+    if (status == 0 && scheduler_may_accept(s) && !accept_client(s, listener))
         s->starved = true;
-    }
 }
 
 /* libuv has the client that was not accepted, and asks for no other before that. */
 void accept_waiting(server *s) {
-    for (size_t i = 0; s->accepting && i < s->n_listeners; i++) {
+    for (size_t i = 0; s->accepting && i < s->n_listeners; i++)
         accept_on_connection((uv_stream_t *)&s->listeners[i], 0);
-    }
 }

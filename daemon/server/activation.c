@@ -53,9 +53,8 @@ static int acquire(int *fds, size_t capacity, size_t *n, shear_error *err) {
     }
     for (int i = 0; i < (int)count; i++) {
         const int code = check_socket(FIRST_FD + i, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         fds[i] = FIRST_FD + i;
     }
     *n = (size_t)count;

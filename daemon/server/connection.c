@@ -19,9 +19,8 @@ static void wrote(connection *c, size_t bytes) {
     out_queue_consume(&c->out, bytes);
     s->statistics.queued_bytes -= bytes;
     s->statistics.unsent_bytes -= held - c->out.held;
-    if (c->user != NULL) {
+    if (c->user != NULL)
         c->user->held -= held - c->out.held;
-    }
     scheduler_note_freed(s);
 }
 
@@ -29,9 +28,8 @@ static void wrote(connection *c, size_t bytes) {
 
 static void free_connection(connection *c) {
     wrote(c, c->out.bytes);
-    if (c->user != NULL) {
+    if (c->user != NULL)
         users_part(&c->server->scheduler.users, c->user);
-    }
     sheard_frame_deinit(&c->frame);
     free(c->kept);
     open_requests_deinit(&c->open);
@@ -71,13 +69,11 @@ void connection_abort(connection *c) {
 /* ---- out ---- */
 
 static bool queue(connection *c, out_line *line) {
-    if (c->out.n == 0) {
+    if (c->out.n == 0)
         c->progress_ms = uv_now(c->server->loop);
-    }
     const size_t held = c->out.held;
-    if (!out_queue_push(&c->out, line)) {
+    if (!out_queue_push(&c->out, line))
         return false;
-    }
     c->server->statistics.queued_bytes += line->n;
     c->server->statistics.unsent_bytes += c->out.held - held;
     c->user->held += c->out.held - held;
@@ -108,9 +104,8 @@ static bool has_room_for_notice(const connection *c, const out_line *line) {
 /* Once one is left out, all are, until the client has been told: so it knows where the gap is. */
 void connection_notify(connection *c, out_line *line) {
     server *s = c->server;
-    if (c->closed || c->aborted || c->finishing) {
+    if (c->closed || c->aborted || c->finishing)
         return;
-    }
     if (c->lost > 0 || line == NULL || !has_room_for_notice(c, line) || !queue(c, line)) {
         c->lost++;
         s->statistics.lost++;
@@ -120,9 +115,8 @@ void connection_notify(connection *c, out_line *line) {
 }
 
 void connection_tell_lost(connection *c) {
-    if (c->lost == 0 || c->finishing || c->out.bytes > c->server->limits.queue_bytes / 16) {
+    if (c->lost == 0 || c->finishing || c->out.bytes > c->server->limits.queue_bytes / 16)
         return;
-    }
     const sheard_notice_params params = {.lost.count = (int64_t)c->lost};
     sheard_rpc_error error;
     char *text = NULL;
@@ -160,9 +154,8 @@ static void on_written(uv_write_t *write, int status) {
     s->statistics.bytes_out += written;
     wrote(c, written);
     c->progress_ms = uv_now(s->loop);
-    if (c->out.n > 0) {
+    if (c->out.n > 0)
         scheduler_flush_later(s, c);
-    }
     scheduler_add(s, c);
 }
 
@@ -190,12 +183,10 @@ void connection_write(connection *c) {
         const size_t written = rc > 0 ? (size_t)rc : 0;
         c->server->statistics.bytes_out += written;
         wrote(c, written);
-        if (written > 0) {
+        if (written > 0)
             c->progress_ms = uv_now(c->server->loop);
-        }
-        if (written == bytes) {
+        if (written == bytes)
             continue;
-        }
         n = gather(&c->out, bufs, &c->writing);
         c->write.data = c;
         if ((rc < 0 && rc != UV_EAGAIN) ||

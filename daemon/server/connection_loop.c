@@ -19,12 +19,10 @@ static void drop_input(connection *c) {
 }
 
 static bool is_over(const connection *c) {
-    if (c->aborted) {
+    if (c->aborted)
         return true;
-    }
-    if (c->out.n > 0 || (!c->finishing && !c->ended)) {
+    if (c->out.n > 0 || (!c->finishing && !c->ended))
         return false;
-    }
     return c->finishing ||
            (c->n_input == 0 && c->open.n == 0 && !subscriptions_any(&c->subscriptions));
 }
@@ -53,9 +51,8 @@ static void keep_input(connection *c, const char *input, size_t n) {
  * that has closed the socket does not. */
 static bool has_gone(const connection *c) {
     int fd = -1;
-    if (uv_fileno((const uv_handle_t *)&c->pipe, &fd) != 0) {
+    if (uv_fileno((const uv_handle_t *)&c->pipe, &fd) != 0)
         return false;
-    }
     struct pollfd p = {.fd = fd};
     return poll(&p, 1, 0) > 0 && (p.revents & (POLLHUP | POLLERR)) != 0;
 }
@@ -84,9 +81,8 @@ static void update(connection *c) {
         return;
     }
     const bool may_take = dispatch_is_allowed(c);
-    if (may_take && c->n_input > 0) {
+    if (may_take && c->n_input > 0)
         scheduler_add(c->server, c);
-    }
     const bool read = may_take && c->n_input == 0 && !c->ended;
     if (may_take && c->held_up && c->partial_ms != 0) {
         c->partial_ms = uv_now(c->server->loop); /* it was not the client's fault till now */
@@ -94,9 +90,8 @@ static void update(connection *c) {
     c->held_up = !may_take;
     if (read && !c->reading) {
         c->reading = uv_read_start((uv_stream_t *)&c->pipe, give_buffer, on_read) == 0;
-        if (!c->reading) {
+        if (!c->reading)
             connection_abort(c);
-        }
     } else if (!read && c->reading) {
         uv_read_stop((uv_stream_t *)&c->pipe);
         c->reading = false;
@@ -110,9 +105,8 @@ static bool may_go_on(const connection *c) {
 /* A step of the work of the request that has waited for it longest. */
 static void go_on(connection *c, open_request *r) {
     server *s = c->server;
-    if (!scheduler_may_work(s, c)) {
+    if (!scheduler_may_work(s, c))
         return;
-    }
     s->in_step = r;
     const enum server_step next = r->work.step(r->work.context);
     if (s->in_step != NULL) {
@@ -131,9 +125,8 @@ static void go_on(connection *c, open_request *r) {
 
 void connection_process(connection *c) {
     connection_tell_lost(c);
-    if (c->out.bytes > WRITE_SOON) {
+    if (c->out.bytes > WRITE_SOON)
         connection_write(c);
-    }
     open_request *r = TAILQ_FIRST(&c->open.awake);
     const bool may_take = c->n_input > 0 && dispatch_is_allowed(c);
     if ((r != NULL || may_take) && has_gone(c)) {
@@ -147,17 +140,15 @@ void connection_process(connection *c) {
     } else if (r != NULL) {
         scheduler_end_work(c->server, c); /* nobody waits for a client that does not read */
     }
-    if (c->n_input == 0 || c->finishing) {
+    if (c->n_input == 0 || c->finishing)
         drop_input(c);
-    }
     update(c);
 }
 
 void connection_flush(connection *c) {
     connection_write(c);
-    if (c->lost > 0 || !TAILQ_EMPTY(&c->open.awake)) {
+    if (c->lost > 0 || !TAILQ_EMPTY(&c->open.awake))
         scheduler_add(c->server, c);
-    }
     update(c);
 }
 
@@ -182,9 +173,8 @@ static bool is_stalled(connection *c, uint64_t now) {
 
 static bool is_idle(const connection *c, uint64_t now) {
     const int64_t limit = c->server->limits.idle_timeout_ms;
-    if (limit <= 0 || c->finishing || c->ended || c->n_input > 0) {
+    if (limit <= 0 || c->finishing || c->ended || c->n_input > 0)
         return false;
-    }
     const bool silent = c->open.n == 0 && c->out.n == 0 && !subscriptions_any(&c->subscriptions) &&
                         now - c->active_ms >= (uint64_t)limit;
     return silent || (c->reading && c->partial_ms != 0 && now - c->partial_ms >= (uint64_t)limit);

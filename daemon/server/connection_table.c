@@ -27,9 +27,8 @@ static bool acquire_slot(connection_table *t, size_t *slot) {
 
 bool connection_table_enter(server *s, connection *c) {
     size_t slot = 0;
-    if (!acquire_slot(&s->table, &slot)) {
+    if (!acquire_slot(&s->table, &slot))
         return false;
-    }
     s->table.slots[slot] = c;
     c->id = ++s->table.serial * CONNECTION_SLOTS + slot;
     s->statistics.connections++;
@@ -51,15 +50,13 @@ void connection_table_leave(server *s, connection *c) {
         c->subscribed = false;
         s->statistics.subscribers--;
     }
-    if (s->handlers.closed != NULL) {
+    if (s->handlers.closed != NULL)
         s->handlers.closed(s->handlers.context, c->id);
-    }
 }
 
 void connection_table_each(server *s, void (*call)(connection *c)) {
     for (size_t i = 0; i < s->table.n_slots; i++) {
-        if (s->table.slots[i] != NULL) {
+        if (s->table.slots[i] != NULL)
             call(s->table.slots[i]);
-        }
     }
 }

@@ -37,14 +37,12 @@ static int dispatch_request(connection *c, sheard_request *request, const char *
     server *s = c->server;
     uint64_t number = 0;
     int rc = sheard_request_parse(request, line, n, s->has_defaults ? &s->defaults : NULL, error);
-    if (rc != SHEARD_RPC_OK) {
+    if (rc != SHEARD_RPC_OK)
         return rc;
-    }
     s->statistics.requests[request->method]++;
     rc = admit(c, request, &number, error);
-    if (rc != SHEARD_RPC_OK) {
+    if (rc != SHEARD_RPC_OK)
         return rc;
-    }
     const server_request given = {.handle = {c->id, number}, .peer = &c->peer, .request = request};
     s->handlers.request(s->handlers.context, &given);
     return SHEARD_RPC_OK;
@@ -53,9 +51,8 @@ static int dispatch_request(connection *c, sheard_request *request, const char *
 static void handle_line(connection *c, const char *line, size_t n) {
     sheard_request request;
     sheard_rpc_error error;
-    if (dispatch_request(c, &request, line, n, &error) != SHEARD_RPC_OK) {
+    if (dispatch_request(c, &request, line, n, &error) != SHEARD_RPC_OK)
         connection_send_error(c, &request.id, &error);
-    }
     sheard_request_deinit(&request);
 }
 

@@ -12,13 +12,11 @@ void lifetime_free(server *s) {
     void *context = s->done_context;
     free(s->table.slots);
     free(s->table.free_slots);
-    for (int i = 0; i < N_REFUSALS; i++) {
+    for (int i = 0; i < N_REFUSALS; i++)
         free(s->refusals[i]);
-    }
     free(s);
-    if (done != NULL) {
+    if (done != NULL)
         done(context);
-    }
 }
 
 static void on_closed(uv_handle_t *handle) {
@@ -27,9 +25,8 @@ static void on_closed(uv_handle_t *handle) {
 
 void lifetime_close_handle(void *handle) {
     uv_handle_t *h = handle;
-    if (!uv_is_closing(h)) {
+    if (!uv_is_closing(h))
         uv_close(h, on_closed);
-    }
 }
 
 void lifetime_end_if_empty(server *s) {

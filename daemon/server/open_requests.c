@@ -7,9 +7,8 @@
 #include <string.h>
 
 static void request_free(open_request *r) {
-    if (r->work.drop != NULL) {
+    if (r->work.drop != NULL)
         r->work.drop(r->work.context);
-    }
     free(r);
 }
 
@@ -19,9 +18,8 @@ void open_requests_init(open_requests *o) {
 }
 
 void open_requests_deinit(open_requests *o) {
-    for (size_t i = 0; i < o->n; i++) {
+    for (size_t i = 0; i < o->n; i++)
         request_free(o->items[i]);
-    }
     free(o->items);
     open_requests_init(o);
 }
@@ -33,9 +31,8 @@ bool open_request_is_long(const sheard_request *request) {
 
 uint64_t open_requests_add(open_requests *o, const sheard_request *request) {
     open_request *r = ARRAY_RESERVE(o->items, o->capacity, o->n + 1) ? malloc(sizeof *r) : NULL;
-    if (r == NULL) {
+    if (r == NULL)
         return 0;
-    }
     *r = (open_request){.number = ++o->last,
                         .method = request->method,
                         .is_long = open_request_is_long(request),
@@ -67,9 +64,8 @@ open_request *open_requests_find(const open_requests *o, uint64_t number) {
 
 void open_requests_remove(open_requests *o, uint64_t number) {
     const size_t i = search(o, number);
-    if (i == o->n || o->items[i]->number != number) {
+    if (i == o->n || o->items[i]->number != number)
         return;
-    }
     open_request *r = o->items[i];
     open_requests_pause(o, r);
     o->n_long -= r->is_long;

@@ -24,9 +24,8 @@ void out_line_count(out_line *line, size_t *memory) {
 
 void out_line_unref(out_line *line) {
     if (line != NULL && --line->references == 0) {
-        if (line->memory != NULL) {
+        if (line->memory != NULL)
             *line->memory -= line->n;
-        }
         free(line->bytes);
         free(line);
     }
@@ -46,12 +45,10 @@ out_line *out_queue_at(const out_queue *q, size_t i) {
 static bool grow(out_queue *q) {
     const size_t capacity = q->capacity != 0 ? 2 * q->capacity : SMALL;
     out_line **items = malloc(capacity * sizeof(out_line *));
-    if (items == NULL) {
+    if (items == NULL)
         return false;
-    }
-    for (size_t i = 0; i < q->n; i++) {
+    for (size_t i = 0; i < q->n; i++)
         items[i] = out_queue_at(q, i);
-    }
     free(q->items);
     q->items = items;
     q->capacity = capacity;
@@ -60,9 +57,8 @@ static bool grow(out_queue *q) {
 }
 
 bool out_queue_push(out_queue *q, out_line *line) {
-    if (q->n == q->capacity && !grow(q)) {
+    if (q->n == q->capacity && !grow(q))
         return false;
-    }
     line->references++;
     q->items[(q->first + q->n++) % q->capacity] = line;
     q->bytes += line->n;
@@ -83,9 +79,8 @@ void out_queue_consume(out_queue *q, size_t bytes) {
     assert(bytes <= q->bytes);
     q->bytes -= bytes;
     q->written += bytes;
-    while (q->n > 0 && q->written >= out_queue_at(q, 0)->n) {
+    while (q->n > 0 && q->written >= out_queue_at(q, 0)->n)
         pop(q);
-    }
     if (q->n == 0 && q->capacity > SMALL) {
         free(q->items);
         q->items = NULL;

@@ -29,13 +29,11 @@ static int is_gone(sheard_rpc_error *error) {
 int server_subscribe(server *s, uint64_t connection_id, const sheard_msg_subscribe *what,
                      sheard_msg_subscribed *now, sheard_rpc_error *error) {
     connection *c = connection_table_find(s, connection_id);
-    if (c == NULL) {
+    if (c == NULL)
         return is_gone(error);
-    }
     const int rc = subscriptions_add(&c->subscriptions, what, s->limits.subscriptions, error);
-    if (rc != SHEARD_RPC_OK) {
+    if (rc != SHEARD_RPC_OK)
         return rc;
-    }
     note_change(c, now);
     return SHEARD_RPC_OK;
 }
@@ -43,9 +41,8 @@ int server_subscribe(server *s, uint64_t connection_id, const sheard_msg_subscri
 int server_unsubscribe(server *s, uint64_t connection_id, const sheard_msg_subscribe *what,
                        sheard_msg_subscribed *now, sheard_rpc_error *error) {
     connection *c = connection_table_find(s, connection_id);
-    if (c == NULL) {
+    if (c == NULL)
         return is_gone(error);
-    }
     subscriptions_remove(&c->subscriptions, what);
     note_change(c, now);
     return SHEARD_RPC_OK;
@@ -54,9 +51,8 @@ int server_unsubscribe(server *s, uint64_t connection_id, const sheard_msg_subsc
 bool server_is_watched(const server *s, enum sheard_notice notice, int64_t job, const char *field) {
     const connection *c;
     TAILQ_FOREACH(c, &s->subscribers, subscriber_link) {
-        if (subscriptions_match(&c->subscriptions, notice, job, field)) {
+        if (subscriptions_match(&c->subscriptions, notice, job, field))
             return true;
-        }
     }
     return false;
 }
@@ -68,23 +64,20 @@ static out_line *make_notice(server *s, enum sheard_notice notice,
     size_t n = 0;
     sheard_notice_line(&text, &n, notice, params, &error);
     out_line *line = out_line_new(text, n);
-    if (line != NULL) {
+    if (line != NULL)
         out_line_count(line, &s->notice_bytes);
-    }
     return line;
 }
 
 void server_publish(server *s, enum sheard_notice notice, int64_t job, const char *field,
                     const sheard_notice_params *params) {
-    if (!server_is_watched(s, notice, job, field)) {
+    if (!server_is_watched(s, notice, job, field))
         return;
-    }
     out_line *line = make_notice(s, notice, params);
     connection *c;
     TAILQ_FOREACH(c, &s->subscribers, subscriber_link) {
-        if (subscriptions_match(&c->subscriptions, notice, job, field)) {
+        if (subscriptions_match(&c->subscriptions, notice, job, field))
             connection_notify(c, line);
-        }
     }
     out_line_unref(line);
 }
@@ -93,8 +86,7 @@ void server_end_job(server *s, int64_t job) {
     connection *next;
     for (connection *c = TAILQ_FIRST(&s->subscribers); c != NULL; c = next) {
         next = TAILQ_NEXT(c, subscriber_link);
-        if (subscriptions_end_job(&c->subscriptions, job)) {
+        if (subscriptions_end_job(&c->subscriptions, job))
             note_change(c, NULL);
-        }
     }
 }

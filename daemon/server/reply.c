@@ -22,9 +22,8 @@ static void answered(connection *c, open_request *r) {
         r->answered = true; /* removed when its step has ended */
         s->in_step = NULL;
     } else {
-        if (r->awake) {
+        if (r->awake)
             scheduler_end_work(s, c);
-        }
         open_requests_remove(&c->open, r->number);
     }
     c->active_ms = uv_now(c->server->loop);
@@ -37,9 +36,8 @@ void server_reply(server *s, server_handle to, const sheard_reply *reply) {
     sheard_rpc_error error;
     char *line;
     size_t n;
-    if (r == NULL) {
+    if (r == NULL)
         return;
-    }
     if (sheard_reply_line(&line, &n, &r->id, r->method, reply, &error) == SHEARD_RPC_OK) {
         connection_send(c, out_line_new(line, n));
     } else {

@@ -15,9 +15,8 @@ static void keep_running(server *s) {
 }
 
 void scheduler_add(server *s, connection *c) {
-    if (c->closed) {
+    if (c->closed)
         return;
-    }
     if (c == s->scheduler.current) {
         s->scheduler.again = true;
     } else if (c->place == 0) {
@@ -43,9 +42,8 @@ static void leave_unflushed(server *s, connection *c) {
 
 void scheduler_remove(server *s, connection *c) {
     leave_unflushed(s, c);
-    if (c->place != 0) {
+    if (c->place != 0)
         users_remove_ready(c->user, c);
-    }
     scheduler_end_work(s, c);
 }
 
@@ -64,23 +62,20 @@ static void leave_deferred(connection *c) {
 }
 
 static void offer_work(server *s, const server_user *u) {
-    if (u->at_work == NULL && !TAILQ_EMPTY(&u->deferred)) {
+    if (u->at_work == NULL && !TAILQ_EMPTY(&u->deferred))
         scheduler_add(s, TAILQ_FIRST(&u->deferred));
-    }
 }
 
 bool scheduler_may_work(server *s, connection *c) {
     server_user *u = c->user;
-    if (u->at_work == c) {
+    if (u->at_work == c)
         return true;
-    }
     if (!c->in_deferred) {
         c->in_deferred = true;
         TAILQ_INSERT_TAIL(&u->deferred, c, deferred_link);
     }
-    if (u->at_work != NULL || TAILQ_FIRST(&u->deferred) != c) {
+    if (u->at_work != NULL || TAILQ_FIRST(&u->deferred) != c)
         return false;
-    }
     if (scheduler_is_crowded(s, u)) {
         s->scheduler.work_waits = true;
         return false;
@@ -123,9 +118,8 @@ static void serve(server *s, uint64_t end) {
     int64_t now = clock_ns(CLOCK_THREAD_CPUTIME_ID);
     do {
         connection *c = users_next(&s->scheduler.users, &s->scheduler.clock_ns);
-        if (c == NULL) {
+        if (c == NULL)
             return;
-        }
         const int64_t begin = now;
         assert(!c->closed);
         s->scheduler.current = c;
@@ -138,17 +132,15 @@ static void serve(server *s, uint64_t end) {
         s->scheduler.current = NULL;
         now = clock_ns(CLOCK_THREAD_CPUTIME_ID);
         users_charge(c, (uint64_t)(now - begin));
-        if (s->scheduler.again) {
+        if (s->scheduler.again)
             scheduler_add(s, c);
-        }
     } while (uv_hrtime() < end);
 }
 
 static bool anybody_is_ready(const server *s) {
     const server_user *u = TAILQ_FIRST(&s->scheduler.users);
-    while (u != NULL && u->n == 0) {
+    while (u != NULL && u->n == 0)
         u = TAILQ_NEXT(u, link);
-    }
     return u != NULL;
 }
 

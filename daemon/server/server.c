@@ -78,9 +78,8 @@ static void start_tick(server *s) {
     const int64_t times[] = {s->limits.idle_timeout_ms, s->limits.stall_timeout_ms,
                              s->limits.crowded_ms};
     for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
-        if (times[i] > 0 && times[i] / 4 < ms) {
+        if (times[i] > 0 && times[i] / 4 < ms)
             ms = times[i] / 4 + 1;
-        }
     }
     uv_timer_start(&s->tick, on_tick, (uint64_t)ms, (uint64_t)ms);
 }
@@ -93,17 +92,15 @@ static void schedule(connection *c) {
 
 void server_set_limits(server *s, const server_limits *limits) {
     fill_limits(&s->limits, limits);
-    if (!s->closing) {
+    if (!s->closing)
         start_tick(s);
-    }
     connection_table_each(s, schedule); /* they may be allowed more now */
 }
 
 void server_set_defaults(server *s, const shear_settings *defaults) {
     s->has_defaults = defaults != NULL;
-    if (defaults != NULL) {
+    if (defaults != NULL)
         s->defaults = *defaults;
-    }
 }
 
 void server_get_statistics(const server *s, server_statistics *statistics) {
@@ -120,9 +117,8 @@ static int listen_on(server *s, int fd, shear_error *err) {
     s->n_listeners++;
     s->handles++;
     int rc = uv_pipe_open(listener, fd);
-    if (rc != 0) {
+    if (rc != 0)
         close(fd);
-    }
     rc = rc != 0 ? rc : uv_listen((uv_stream_t *)listener, BACKLOG, accept_on_connection);
     return rc == 0 ? SHEAR_OK
                    : shear_fail(err, SHEAR_E_IO, NULL, "descriptor %d: cannot listen: %s", fd,
@@ -130,9 +126,8 @@ static int listen_on(server *s, int fd, shear_error *err) {
 }
 
 static void close_fds(const int *fds, size_t n) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         close(fds[i]);
-    }
 }
 
 static int listen_on_all(server *s, const int *fds, size_t n, shear_error *err) {
@@ -154,9 +149,8 @@ static int listen_on_all(server *s, const int *fds, size_t n, shear_error *err) 
 }
 
 static int start_listening(server *s, const server_options *o, shear_error *err) {
-    if (o->n_fds > 0) {
+    if (o->n_fds > 0)
         return listen_on_all(s, o->fds, o->n_fds, err);
-    }
     int fd = -1;
     const int code = socket_file_make(&s->file, &fd, o->path, o->mode, o->group, err);
     return code != SHEAR_OK ? code : listen_on_all(s, &fd, 1, err);
@@ -168,9 +162,8 @@ void server_sockets(const server *s, char *out, size_t size) {
         char path[256];
         size_t n = sizeof path - 1;
         const size_t used = strlen(out);
-        if (uv_pipe_getsockname(&s->listeners[i], path, &n) != 0 || n == 0) {
+        if (uv_pipe_getsockname(&s->listeners[i], path, &n) != 0 || n == 0)
             n = (size_t)snprintf(path, sizeof path, "(unnamed)");
-        }
         path[n] = '\0';
         snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "", path);
     }
@@ -192,9 +185,8 @@ static void start_handles(server *s) {
 /* NULL: out of memory. */
 static server *make(const server_options *options, uv_loop_t *loop) {
     server *s = calloc(1, sizeof *s);
-    if (s == NULL) {
+    if (s == NULL)
         return NULL;
-    }
     s->loop = loop;
     s->handlers = options->handlers;
     s->file.lock = -1;
@@ -232,9 +224,8 @@ int server_open(server **out, uv_loop_t *loop, const server_options *options, sh
 void server_stop_accepting(server *s) {
     s->accepting = false;
     socket_file_remove(&s->file);
-    for (size_t i = 0; i < s->n_listeners; i++) {
+    for (size_t i = 0; i < s->n_listeners; i++)
         lifetime_close_handle(&s->listeners[i]);
-    }
 }
 
 static void on_deadline(uv_timer_t *timer) {
@@ -246,18 +237,16 @@ static void on_deadline(uv_timer_t *timer) {
 static void say_stopping(connection *c) {
     sheard_rpc_error error;
     sheard_rpc_fail(&error, SHEARD_RPC_STOPPING, NULL, "the service stops");
-    while (c->open.n > 0) {
+    while (c->open.n > 0)
         server_reply_error(c->server, (server_handle){c->id, c->open.items[0]->number}, &error);
-    }
     connection_finish(c);
 }
 
 void server_close(server *s, int64_t flush_ms, void (*done)(void *context), void *context) {
     const uint64_t ms = flush_ms > 0 ? (uint64_t)flush_ms : 0;
     if (s->closing) {
-        if (ms < uv_timer_get_due_in(&s->deadline)) {
+        if (ms < uv_timer_get_due_in(&s->deadline))
             uv_timer_start(&s->deadline, on_deadline, ms, 0);
-        }
         return;
     }
     s->closing = true;

@@ -75,9 +75,8 @@ static int acquire_lock(socket_file *file, shear_error *err) {
     for (;;) {
         file->lock =
             open(file->lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
-        if (file->lock < 0) {
+        if (file->lock < 0)
             return failed("cannot make the lock beside it", file->path, err);
-        }
         if (flock(file->lock, LOCK_EX | LOCK_NB) != 0) {
             const bool taken = errno == EWOULDBLOCK;
             const int code =
@@ -86,9 +85,8 @@ static int acquire_lock(socket_file *file, shear_error *err) {
             file->lock = -1;
             return code;
         }
-        if (is_current(file->lock, file->lock_path)) {
+        if (is_current(file->lock, file->lock_path))
             return SHEAR_OK;
-        }
         close(file->lock);
     }
 }
@@ -106,9 +104,8 @@ static void release_lock(socket_file *file) {
 /* 0: somebody listens; else the errno of the connect. */
 static int try_connect(const struct sockaddr_un *address) {
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (fd < 0) {
+    if (fd < 0)
         return errno;
-    }
     const int rc = connect(fd, (const struct sockaddr *)address, sizeof *address) == 0 ? 0 : errno;
     close(fd);
     return rc == EAGAIN ? 0 : rc; /* EAGAIN: its backlog is full */
@@ -117,17 +114,15 @@ static int try_connect(const struct sockaddr_un *address) {
 static int remove_stale(const struct sockaddr_un *address, shear_error *err) {
     const char *path = address->sun_path;
     struct stat st;
-    if (lstat(path, &st) != 0) {
+    if (lstat(path, &st) != 0)
         return errno == ENOENT ? SHEAR_OK : failed("cannot look at it", path, err);
-    }
     if (!S_ISSOCK(st.st_mode) || st.st_uid != geteuid()) {
         return shear_fail(err, SHEAR_E_EXISTS, "move it away, or choose another path",
                           "socket '%s': there is a file that is not a socket of this user", path);
     }
     const int rc = try_connect(address);
-    if (rc == 0) {
+    if (rc == 0)
         return is_served(path, err);
-    }
     if (rc != ECONNREFUSED) {
         errno = rc;
         return failed("cannot tell whether somebody listens there", path, err);
@@ -142,9 +137,8 @@ static int find_group(gid_t *gid, const char *group, const char *path, shear_err
     struct group *found = NULL;
     char text[16384];
     *gid = (gid_t)-1;
-    if (group == NULL || *group == '\0') {
+    if (group == NULL || *group == '\0')
         return SHEAR_OK;
-    }
     const int rc = getgrnam_r(group, &entry, text, sizeof text, &found);
     if (rc != 0 || found == NULL) {
         return shear_fail(err, SHEAR_E_SETTING, "correct [daemon] socket_group in sheard.conf",
@@ -173,9 +167,8 @@ static int cannot_give(const char *path, const char *group, shear_error *err) {
 /* The file is there, for nobody. */
 static int give(const request *r, socket_file *file, shear_error *err) {
     struct stat st;
-    if (lstat(r->path, &st) != 0 || !S_ISSOCK(st.st_mode)) {
+    if (lstat(r->path, &st) != 0 || !S_ISSOCK(st.st_mode))
         return failed("it has vanished", r->path, err);
-    }
     file->device = st.st_dev;
     file->inode = st.st_ino;
     if ((st.st_mode & 07777) != 0) {
@@ -183,22 +176,19 @@ static int give(const request *r, socket_file *file, shear_error *err) {
                           "socket '%s': the system made it with mode %04o instead of none", r->path,
                           (unsigned)st.st_mode & 07777);
     }
-    if (r->gid != (gid_t)-1 && st.st_gid != r->gid && lchown(r->path, (uid_t)-1, r->gid) != 0) {
+    if (r->gid != (gid_t)-1 && st.st_gid != r->gid && lchown(r->path, (uid_t)-1, r->gid) != 0)
         return cannot_give(r->path, r->group, err);
-    }
     return chmod(r->path, r->mode & 0777) == 0 ? SHEAR_OK
                                                : failed("cannot set its mode", r->path, err);
 }
 
 static int bind_and_listen(int fd, const struct sockaddr_un *address, const request *r,
                            socket_file *file, shear_error *err) {
-    if (fchmod(fd, 0) != 0 || bind(fd, (const struct sockaddr *)address, sizeof *address) != 0) {
+    if (fchmod(fd, 0) != 0 || bind(fd, (const struct sockaddr *)address, sizeof *address) != 0)
         return failed("cannot make it", r->path, err);
-    }
     const int code = give(r, file, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return listen(fd, BACKLOG) == 0 ? SHEAR_OK : failed("cannot listen", r->path, err);
 }
 
@@ -215,21 +205,17 @@ static int name_files(socket_file *file, const char *path, shear_error *err) {
 static int make(socket_file *file, int fd, request *r, shear_error *err) {
     struct sockaddr_un address;
     int code = make_address(&address, r->path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = find_group(&r->gid, r->group, r->path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = name_files(file, r->path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = acquire_lock(file, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = remove_stale(&address, err);
     return code != SHEAR_OK ? code : bind_and_listen(fd, &address, r, file, err);
 }
@@ -238,9 +224,8 @@ int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode
                      shear_error *err) {
     *file = (socket_file){.lock = -1};
     *fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (*fd < 0) {
+    if (*fd < 0)
         return failed("cannot open a socket", path, err);
-    }
     request r = {.path = path, .mode = mode, .group = group};
     const int code = make(file, *fd, &r, err);
     if (code != SHEAR_OK) {

@@ -91,9 +91,8 @@ static char **copy_names(const sheard_msg_subscribe *what) {
     for (size_t i = 0; names != NULL && i < what->n_fields; i++) {
         names[i] = strdup(what->fields[i]);
         if (names[i] == NULL) {
-            while (i > 0) {
+            while (i > 0)
                 free(names[--i]);
-            }
             free(names);
             return NULL;
         }
@@ -112,12 +111,10 @@ int subscriptions_add(subscriptions *w, const sheard_msg_subscribe *what, size_t
         return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
                                "out of memory for a subscription");
     }
-    for (size_t i = 0; i < what->n_jobs; i++) {
+    for (size_t i = 0; i < what->n_jobs; i++)
         insert_job(w, what->jobs[i]);
-    }
-    for (size_t i = 0; i < what->n_fields; i++) {
+    for (size_t i = 0; i < what->n_fields; i++)
         insert_field(w, names[i]);
-    }
     free(names);
     w->all |= what->all;
     w->progress |= what->progress;
@@ -145,22 +142,18 @@ static void remove_field(subscriptions *w, const char *field) {
 }
 
 void subscriptions_remove(subscriptions *w, const sheard_msg_subscribe *what) {
-    for (size_t i = 0; i < what->n_jobs; i++) {
+    for (size_t i = 0; i < what->n_jobs; i++)
         subscriptions_end_job(w, what->jobs[i]);
-    }
-    for (size_t i = 0; i < what->n_fields; i++) {
+    for (size_t i = 0; i < what->n_fields; i++)
         remove_field(w, what->fields[i]);
-    }
     w->all = w->all && !what->all;
-    if (!subscriptions_any(w) || (what->n_jobs == 0 && what->n_fields == 0 && !what->all)) {
+    if (!subscriptions_any(w) || (what->n_jobs == 0 && what->n_fields == 0 && !what->all))
         subscriptions_deinit(w);
-    }
 }
 
 void subscriptions_deinit(subscriptions *w) {
-    for (size_t i = 0; i < w->n_fields; i++) {
+    for (size_t i = 0; i < w->n_fields; i++)
         free(w->fields[i]);
-    }
     free(w->fields);
     free(w->jobs);
     *w = (subscriptions){0};
@@ -173,17 +166,13 @@ bool subscriptions_any(const subscriptions *w) {
 bool subscriptions_match(const subscriptions *w, enum sheard_notice notice, int64_t job,
                          const char *field) {
     bool found = false;
-    if (notice == SHEARD_NOTICE_JOB_PROGRESS && !w->progress) {
+    if (notice == SHEARD_NOTICE_JOB_PROGRESS && !w->progress)
         return false;
-    }
-    if (w->all || notice == SHEARD_NOTICE_SERVER_STATE) {
+    if (w->all || notice == SHEARD_NOTICE_SERVER_STATE)
         return subscriptions_any(w);
-    }
-    if (job != 0) {
+    if (job != 0)
         find_job(w, job, &found);
-    }
-    if (!found && field != NULL) {
+    if (!found && field != NULL)
         find_field(w, field, &found);
-    }
     return found;
 }

@@ -10,9 +10,8 @@
 
 static server_user *find(server_user_list *all, uid_t uid) {
     server_user *u = TAILQ_FIRST(all);
-    while (u != NULL && u->uid != uid) {
+    while (u != NULL && u->uid != uid)
         u = TAILQ_NEXT(u, link);
-    }
     return u;
 }
 
@@ -28,9 +27,8 @@ server_user *users_join(server_user_list *all, uid_t uid, uint64_t clock_ns) {
     server_user *u = find(all, uid);
     if (u == NULL) {
         u = calloc(1, sizeof *u);
-        if (u == NULL) {
+        if (u == NULL)
             return NULL;
-        }
         u->uid = uid;
         u->used_ns = clock_ns; /* a new user has saved up no time */
         TAILQ_INIT(&u->deferred);
@@ -67,12 +65,10 @@ static void move_up(server_user *u, size_t place, connection *c) {
 
 static void move_down(server_user *u, size_t place, connection *c) {
     for (size_t child = 2 * place; child <= u->n; child = 2 * place) {
-        if (child < u->n && u->ready[child]->used_ns < u->ready[child - 1]->used_ns) {
+        if (child < u->n && u->ready[child]->used_ns < u->ready[child - 1]->used_ns)
             child++;
-        }
-        if (u->ready[child - 1]->used_ns >= c->used_ns) {
+        if (u->ready[child - 1]->used_ns >= c->used_ns)
             break;
-        }
         put(u, place, u->ready[child - 1]);
         place = child;
     }
@@ -99,9 +95,8 @@ static uint64_t not_before(uint64_t used_ns, uint64_t clock_ns) {
 
 void users_add_ready(server_user *u, connection *c, uint64_t clock_ns) {
     assert(c->place == 0 && u->n < u->capacity);
-    if (u->n == 0) {
+    if (u->n == 0)
         u->used_ns = not_before(u->used_ns, clock_ns);
-    }
     c->used_ns = not_before(c->used_ns, u->clock_ns);
     move_up(u, ++u->n, c);
 }
@@ -110,13 +105,11 @@ connection *users_next(server_user_list *all, uint64_t *clock_ns) {
     server_user *next = NULL;
     server_user *u;
     TAILQ_FOREACH(u, all, link) {
-        if (u->n > 0 && (next == NULL || u->used_ns < next->used_ns)) {
+        if (u->n > 0 && (next == NULL || u->used_ns < next->used_ns))
             next = u;
-        }
     }
-    if (next == NULL) {
+    if (next == NULL)
         return NULL;
-    }
     connection *c = next->ready[0];
     *clock_ns = next->used_ns > *clock_ns ? next->used_ns : *clock_ns;
     next->clock_ns = c->used_ns > next->clock_ns ? c->used_ns : next->clock_ns;

@@ -29,18 +29,15 @@ int open_store(service *s, shear_error *err) {
     char path[4200];
     const store_options options = {.busy_ms = 5000};
     int code = check_owner(s, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = directory_make(s->config.daemon.state_dir, 0750, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     snprintf(path, sizeof path, "%s/sheard.db", s->config.daemon.state_dir);
     code = store_open(&s->store, path, &options, clock_wall_ms(), err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (store_opened(s->store)->requeued > 0) {
         log_notice("%lld jobs were interrupted and go on",
                    (long long)store_opened(s->store)->requeued);
@@ -64,9 +61,8 @@ int open_engine(service *s, shear_error *err) {
     code = code == SHEAR_OK ? scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
                                            c->daemon.state_dir, err)
                             : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     reader_limits limits = tuning_reader(c);
     limits.program = program;
     limits.scratch = copies;

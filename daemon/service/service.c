@@ -36,9 +36,8 @@ static void retire_jobs(service *s) {
     const sheard_config *c = &s->config;
     shear_error ignored = {0};
     int64_t retired = 0;
-    if (c->retention.jobs_max_age_ms <= 0 && c->retention.jobs_max_count <= 0) {
+    if (c->retention.jobs_max_age_ms <= 0 && c->retention.jobs_max_count <= 0)
         return;
-    }
     const store_retention rule = {
         .finished_before_ms = c->retention.jobs_max_age_ms > 0
                                   ? clock_watch_for_ages(&s->clock) - c->retention.jobs_max_age_ms
@@ -60,18 +59,15 @@ static void tick(service *s) {
     data_roots_tick(&s->roots);
     field_purge_continue(s);
     log_flush();
-    if (s->notify.watchdog_ms > 0) {
+    if (s->notify.watchdog_ms > 0)
         notify_watchdog(&s->notify, NULL);
-    }
     /* After a failed commit the next try is due: an empty group tells whether the disk is well
      * again. */
-    if (group_is_failing(&s->group)) {
+    if (group_is_failing(&s->group))
         group_begin(&s->group, &ignored);
-    }
     retire_jobs(s);
-    if (s->spool != NULL && s->statistics.ticks % SPOOL_WAKE_S == 0) {
+    if (s->spool != NULL && s->statistics.ticks % SPOOL_WAKE_S == 0)
         spool_wake(s->spool);
-    }
 }
 
 static size_t running_jobs(const service *s) {
@@ -134,9 +130,8 @@ typedef struct service_parts {
 
 static service *service_new(void) {
     service_parts *all = calloc(1, sizeof *all);
-    if (all == NULL) {
+    if (all == NULL)
         return NULL;
-    }
     service *s = &all->s;
     s->jobs = &all->jobs;
     s->estimates = &all->estimates;
@@ -162,9 +157,8 @@ static service *service_new(void) {
 
 static int open_access(service *s, shear_error *err) {
     int code = permissions_init(&s->permissions, &s->config, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     reload_warn_names(s);
     data_roots_init(&s->roots, &s->loop, &s->group, &s->life);
     return data_roots_set(&s->roots, &s->config.access.data_roots, err);
@@ -174,15 +168,13 @@ static int open_access(service *s, shear_error *err) {
 static int open_state(service *s, shear_error *err) {
     const group_hooks turn = {.turn_ended = on_turn_ended, .context = s};
     int code = open_store(s, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     group_start(&s->group, &s->loop, s->store, &s->notes, &turn);
     code = clock_watch_start(&s->clock, &s->group, &s->config, err);
     code = code == SHEAR_OK ? catalogs_open(s, err) : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     catalogs_remove_retracted(s);
     return SHEAR_OK;
 }
@@ -219,9 +211,8 @@ static int open_all(service *s, shear_error *err) {
                                       open_engine, open_server_when_left, open_spool_when_left};
     for (size_t i = 0; i < sizeof openers / sizeof *openers; i++) {
         const int code = openers[i](s, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -240,9 +231,8 @@ static int copy_arguments(service *s, const char *config_path, const sheard_list
     s->config_path = config_path != NULL ? strdup(config_path) : NULL;
     for (size_t i = 0; i < assignments->n; i++) {
         const int code = sheard_list_append(&s->assignments, assignments->items[i], err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -279,9 +269,8 @@ void service_run(service *s) {
 }
 
 void service_close(service *s) {
-    if (s == NULL) {
+    if (s == NULL)
         return;
-    }
     spool_close(s->spool);
     lifecycle_close(s, 0);
     uv_run(&s->loop, UV_RUN_DEFAULT);

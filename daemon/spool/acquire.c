@@ -17,9 +17,8 @@ enum { RETRY_MS = 1000 }; /* after a file could not be acquired */
 enum { BEGUN_PATIENCE = 12, BEGUN_LEAST_MS = 2000 };
 
 static int64_t patience_ms(const spool *s, enum candidate_state state) {
-    if (state == CANDIDATE_SETTLING) {
+    if (state == CANDIDATE_SETTLING)
         return s->tuning.settle_ms;
-    }
     const int64_t begun_ms = BEGUN_PATIENCE * s->tuning.settle_ms;
     return begun_ms > BEGUN_LEAST_MS ? begun_ms : BEGUN_LEAST_MS;
 }
@@ -37,9 +36,8 @@ int64_t acquire_next_ms(const spool *s) {
 /* It has had its time: has it stood still? */
 static void check_settled(spool *s, candidate *file) {
     struct stat st;
-    if (!examine_is_regular(s, file, &st)) {
+    if (!examine_is_regular(s, file, &st))
         return;
-    }
     const file_fingerprint present = fingerprint_of(&st);
     if (fingerprint_same(&file->fingerprint, &present)) {
         candidates_set_state(&s->candidates, file, CANDIDATE_READY);
@@ -80,9 +78,8 @@ static void put_off(spool *s, candidate *file, int error) {
  * write to it. Then it goes back, unless the name is taken again: better early than lost. */
 static bool caught_the_wrong_one(spool *s, const candidate *file, const char *active_name) {
     struct stat st;
-    if (folder_stat(&s->folders, ACTIVE, active_name, &st) != 0) {
+    if (folder_stat(&s->folders, ACTIVE, active_name, &st) != 0)
         return false;
-    }
     const file_fingerprint caught = fingerprint_of(&st);
     return !fingerprint_same_content(&file->fingerprint, &caught) &&
            folder_move(&s->folders, ACTIVE, active_name, INCOMING, file->name) == 0;
@@ -91,16 +88,13 @@ static bool caught_the_wrong_one(spool *s, const candidate *file, const char *ac
 /* The file is in active/, and listed. Returns 0 or errno. */
 static int move_to_active(spool *s, const candidate *file, char active_name[NAME_SIZE]) {
     int error = name_make_active(active_name, file->name, s->counter++);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
-    if (!unacknowledged_add(&s->unacknowledged, active_name, false, false)) {
+    if (!unacknowledged_add(&s->unacknowledged, active_name, false, false))
         return ENOMEM;
-    }
     error = folder_move(&s->folders, INCOMING, file->name, ACTIVE, active_name);
-    if (error != 0) {
+    if (error != 0)
         unacknowledged_remove(&s->unacknowledged, active_name);
-    }
     return error;
 }
 
@@ -128,9 +122,8 @@ static void acquire(spool *s, candidate *file, const struct stat *st) {
 /* Still what was found ready? Its mode or owner may have changed. */
 static void acquire_if_unchanged(spool *s, candidate *file) {
     struct stat st;
-    if (!examine_is_regular(s, file, &st)) {
+    if (!examine_is_regular(s, file, &st))
         return;
-    }
     const file_fingerprint present = fingerprint_of(&st);
     if (fingerprint_same_content(&file->fingerprint, &present)) {
         acquire(s, file, &st);
@@ -149,9 +142,8 @@ bool acquire_ready(spool *s) {
     left = more ? SPOOL_STEP_FILES : left;
     for (; !s->closed && left > 0; left--) {
         candidate *file = candidates_first(&s->candidates, CANDIDATE_READY);
-        if (file == NULL) {
+        if (file == NULL)
             return false;
-        }
         acquire_if_unchanged(s, file);
     }
     return more && !s->closed && candidates_first(&s->candidates, CANDIDATE_READY) != NULL;

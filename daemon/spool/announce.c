@@ -36,9 +36,8 @@ static bool sync_moves(spool *s) {
 
 bool announce_files(spool *s) {
     unacknowledged *list = &s->unacknowledged;
-    if (!unacknowledged_pending(list) || (list->unsynced && !sync_moves(s))) {
+    if (!unacknowledged_pending(list) || (list->unsynced && !sync_moves(s)))
         return false;
-    }
     for (int i = 0; i < SPOOL_STEP_FILES && !s->closed && unacknowledged_pending(list); i++) {
         /* Out of the list first: the owner may refuse it at once, or end it. */
         CLEANUP(release_free) unacknowledged_file *one = unacknowledged_next(list);

@@ -9,9 +9,8 @@
 
 void candidates_init(candidates *w) {
     *w = (candidates){0};
-    for (int i = 0; i < CANDIDATE_N_STATES; i++) {
+    for (int i = 0; i < CANDIDATE_N_STATES; i++)
         TAILQ_INIT(&w->queues[i]);
-    }
 }
 
 static void file_free(candidate *file) {
@@ -20,9 +19,8 @@ static void file_free(candidate *file) {
 }
 
 void candidates_deinit(candidates *w) {
-    for (size_t i = 0; i < w->n; i++) {
+    for (size_t i = 0; i < w->n; i++)
         file_free(w->files[i]);
-    }
     free(w->files);
     candidates_init(w);
 }
@@ -49,9 +47,8 @@ candidate *candidates_find(const candidates *w, const char *name) {
 
 candidate *candidates_add(candidates *w, const char *name) {
     candidate *file = calloc(1, sizeof *file);
-    if (file == NULL) {
+    if (file == NULL)
         return NULL;
-    }
     file->name = strdup(name);
     if (file->name == NULL || !ARRAY_RESERVE(w->files, w->capacity, w->n + 1)) {
         file_free(file);

@@ -49,21 +49,18 @@ static int choose_target(const folders *f, disposal *e) {
     bool taken = true;
     for (;;) {
         const int error = is_taken(f, e, free_one, &taken);
-        if (error != 0) {
+        if (error != 0)
             return error;
-        }
-        if (!taken) {
+        if (!taken)
             break;
-        }
         below = free_one;
         free_one = 2 * free_one + 1;
     }
     while (free_one - below > 1) {
         const int64_t middle = below + (free_one - below) / 2;
         const int error = is_taken(f, e, middle, &taken);
-        if (error != 0) {
+        if (error != 0)
             return error;
-        }
         if (taken) {
             below = middle;
         } else {
@@ -80,33 +77,28 @@ static int choose_target(const folders *f, disposal *e) {
 static int write_report(const folders *f, const disposal *e, const char *text) {
     const int fd = openat(f->fd[ACTIVE], e->temporary,
                           O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0640);
-    if (fd < 0) {
+    if (fd < 0)
         return errno;
-    }
     return io_finish(fd, io_write(fd, text, strlen(text)));
 }
 
 /* The report is in its folder, on disk, and the file follows. */
 static int move_after_report(const folders *f, const disposal *e) {
     int error = folder_sync(f, e->folder);
-    if (error == 0) {
+    if (error == 0)
         error = folder_move(f, ACTIVE, e->active_name, e->folder, e->target);
-    }
-    if (error != 0) {
+    if (error != 0)
         unlinkat(f->fd[e->folder], e->report, 0);
-    }
     return error;
 }
 
 static int write_and_move(const folders *f, const disposal *e, const char *text) {
     int error = undo_log_write(f, e->active_name, e->folder, e->target);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     error = write_report(f, e, text);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     error = folder_move(f, ACTIVE, e->temporary, e->folder, e->report);
     return error != 0 ? error : move_after_report(f, e);
 }
@@ -124,9 +116,8 @@ static int move_with_report(const folders *f, const disposal *e, const char *tex
 /* The last fsync, after which nothing is to be undone. */
 static int settle(const folders *f, const disposal *e) {
     const int error = folder_sync_move(f, e->folder);
-    if (error == 0) {
+    if (error == 0)
         undo_log_remove(f, e->active_name);
-    }
     return error;
 }
 
@@ -139,17 +130,14 @@ static int dispose(spool *s, disposal *e, const char *text, spool_place *place) 
         undo_log_remove(f, e->active_name);
         return folder_sync_move(f, e->folder);
     }
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     error = choose_target(f, e);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     error = move_with_report(f, e, text);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     unacknowledged_remove(&s->unacknowledged, e->active_name);
     s->stats.active--;
     s->stats.done += e->folder == DONE;
@@ -164,16 +152,14 @@ int spool_dispose(spool *s, const char *active_name, bool good, const char *repo
     disposal e = {.active_name = active_name,
                   .name = name_of_active(active_name),
                   .folder = good ? DONE : FAILED};
-    if (e.name == NULL) {
+    if (e.name == NULL)
         return name_fail_active(active_name, err);
-    }
     undo_log_temporary(e.temporary, active_name);
     place = place != NULL ? place : &ignored;
     *place = (spool_place){.name = ""};
     const int error = dispose(s, &e, report, place);
-    if (error == 0) {
+    if (error == 0)
         return SHEAR_OK;
-    }
     return shear_fail(err, SHEAR_E_IO,
                       error == ENOSPC || error == EDQUOT ? "make room on the spool's disk"
                                                          : "see that the spool's disk is sound",

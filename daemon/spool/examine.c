@@ -35,12 +35,10 @@ static const char *reason_text(int reason, const char **subject) {
 }
 
 static void ignore(spool *s, candidate *file, int reason) {
-    if (file->state != CANDIDATE_IGNORED) {
+    if (file->state != CANDIDATE_IGNORED)
         candidates_set_state(&s->candidates, file, CANDIDATE_IGNORED);
-    }
-    if (file->reason == reason) {
+    if (file->reason == reason)
         return;
-    }
     char name[NAME_SIZE];
     const char *subject = "";
     const char *text = reason_text(reason, &subject);
@@ -75,9 +73,8 @@ void examine_settle(spool *s, candidate *file, const struct stat *st, enum candi
 /* What follows from an event for a regular file. A second link is no file under construction; an
  * announced file that is empty may only be a name that somebody has reserved. */
 static enum candidate_state state_after(enum watch_event event, const struct stat *st) {
-    if (event == WATCH_BEGUN && st->st_nlink == 1) {
+    if (event == WATCH_BEGUN && st->st_nlink == 1)
         return CANDIDATE_BEGUN;
-    }
     return event == WATCH_COMPLETE && st->st_size > 0 ? CANDIDATE_READY : CANDIDATE_SETTLING;
 }
 
@@ -97,9 +94,8 @@ void examine_file(spool *s, candidate *file, enum watch_event event) {
 }
 
 bool examine_is_regular(spool *s, candidate *file, struct stat *st) {
-    if (folder_stat(&s->folders, INCOMING, file->name, st) == 0 && S_ISREG(st->st_mode)) {
+    if (folder_stat(&s->folders, INCOMING, file->name, st) == 0 && S_ISREG(st->st_mode))
         return true;
-    }
     examine_file(s, file, WATCH_NONE);
     return false;
 }

@@ -38,9 +38,8 @@ static int complain(shear_error *err, const char *path, const char *what, const 
 /* Restricted services (RestrictSUIDSGID) may not set the group bit; then the group comes from the
  * parent directory, or from whoever installed the folders. */
 static int set_mode(int fd, mode_t mode) {
-    if (fchmod(fd, mode) == 0) {
+    if (fchmod(fd, mode) == 0)
         return 0;
-    }
     return errno == EPERM ? fchmod(fd, mode & ~(mode_t)S_ISGID) : -1;
 }
 
@@ -48,13 +47,11 @@ static int set_mode(int fd, mode_t mode) {
 static int open_folder(const folders *f, enum folder folder, int *fd, shear_error *err) {
     const char *name = layout[folder].name;
     const bool made = mkdirat(f->root, name, 0700) == 0;
-    if (!made && errno != EEXIST) {
+    if (!made && errno != EEXIST)
         return complain(err, f->path, "make it", name);
-    }
     *fd = openat(f->root, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (*fd < 0) {
+    if (*fd < 0)
         return complain(err, f->path, "open it", name);
-    }
     if (made && set_mode(*fd, layout[folder].mode) != 0) {
         const int code = complain(err, f->path, "set its mode", name);
         close(*fd);
@@ -65,9 +62,8 @@ static int open_folder(const folders *f, enum folder folder, int *fd, shear_erro
 }
 
 static int open_root(folders *f, shear_error *err) {
-    if (mkdir(f->path, 0750) != 0 && errno != EEXIST) {
+    if (mkdir(f->path, 0750) != 0 && errno != EEXIST)
         return complain(err, f->path, "make it", "");
-    }
     f->root = open(f->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     return f->root < 0 ? complain(err, f->path, "open it", "") : SHEAR_OK;
 }
@@ -77,20 +73,17 @@ static int open_root(folders *f, shear_error *err) {
 static int acquire_lock(folders *f, shear_error *err) {
     char holder[24] = "";
     f->lock = openat(f->root, ".lock", O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0640);
-    if (f->lock < 0) {
+    if (f->lock < 0)
         return complain(err, f->path, "open it", ".lock");
-    }
     if (flock(f->lock, LOCK_EX | LOCK_NB) == 0) {
         const int n = snprintf(holder, sizeof holder, "%ld\n", (long)getpid());
         /* For the message only: a full disk is no reason not to start. */
-        if (ftruncate(f->lock, 0) != 0 || pwrite(f->lock, holder, (size_t)n, 0) != n) {
+        if (ftruncate(f->lock, 0) != 0 || pwrite(f->lock, holder, (size_t)n, 0) != n)
             errno = 0;
-        }
         return SHEAR_OK;
     }
-    if (errno != EWOULDBLOCK) {
+    if (errno != EWOULDBLOCK)
         return complain(err, f->path, "lock it", ".lock");
-    }
     const ssize_t n = pread(f->lock, holder, sizeof holder - 1, 0);
     holder[n > 0 ? strspn(holder, "0123456789") : 0] = '\0';
     return shear_fail(err, SPOOL_LOCKED, "stop the other one, or configure another spool directory",
@@ -103,9 +96,8 @@ static int check_one_mount(const folders *f, shear_error *err) {
     struct statx first;
     for (int i = 0; i < N_FOLDERS; i++) {
         struct statx one;
-        if (statx(f->fd[i], "", AT_EMPTY_PATH, STATX_INO | STATX_MNT_ID, &one) != 0) {
+        if (statx(f->fd[i], "", AT_EMPTY_PATH, STATX_INO | STATX_MNT_ID, &one) != 0)
             return complain(err, f->path, "examine it", layout[i].name);
-        }
         first = i == 0 ? one : first;
         if (one.stx_dev_major != first.stx_dev_major || one.stx_dev_minor != first.stx_dev_minor ||
             ((one.stx_mask & STATX_MNT_ID) != 0 && one.stx_mnt_id != first.stx_mnt_id)) {
@@ -121,42 +113,35 @@ static int check_one_mount(const folders *f, shear_error *err) {
 
 static int open_all(folders *f, shear_error *err) {
     int code = open_root(f, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = acquire_lock(f, err);
-    for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++) {
+    for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++)
         code = open_folder(f, (enum folder)i, &f->fd[i], err);
-    }
     return code != SHEAR_OK ? code : check_one_mount(f, err);
 }
 
 int folders_open(folders *f, const char *path, shear_error *err) {
     *f = (folders){strdup(path), -1, -1, {-1, -1, -1, -1}};
-    if (f->path == NULL) {
+    if (f->path == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the spool");
-    }
     const int code = open_all(f, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         folders_close(f);
-    }
     return code;
 }
 
 static void close_one(int *fd) {
-    if (*fd >= 0) {
+    if (*fd >= 0)
         close(*fd);
-    }
     *fd = -1;
 }
 
 void folders_close(folders *f) {
-    if (f->path == NULL) {
+    if (f->path == NULL)
         return;
-    }
-    for (int i = 0; i < N_FOLDERS; i++) {
+    for (int i = 0; i < N_FOLDERS; i++)
         close_one(&f->fd[i]);
-    }
     close_one(&f->lock);
     close_one(&f->root);
     free(f->path);
@@ -170,9 +155,8 @@ static bool same_file(const struct stat *a, const struct stat *b) {
 static int check_root(const folders *f, shear_error *err) {
     struct stat held;
     struct stat named;
-    if (fstat(f->root, &held) != 0 || stat(f->path, &named) != 0) {
+    if (fstat(f->root, &held) != 0 || stat(f->path, &named) != 0)
         return complain(err, f->path, "examine it", "");
-    }
     if (!same_file(&held, &named)) {
         return shear_fail(err, SHEAR_E_IO, "restart the service to use the new one",
                           "%s: is another directory than at the start", f->path);
@@ -191,18 +175,15 @@ static bool is_current(const folders *f, enum folder folder) {
 int folders_check(folders *f, bool *incoming_changed, shear_error *err) {
     *incoming_changed = false;
     int code = check_root(f, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     for (enum folder i = INCOMING; i < N_FOLDERS; i++) {
         int fd = -1;
-        if (is_current(f, i)) {
+        if (is_current(f, i))
             continue;
-        }
         code = open_folder(f, i, &fd, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         close(f->fd[i]);
         f->fd[i] = fd;
         *incoming_changed |= i == INCOMING;
@@ -214,17 +195,14 @@ int folder_move(const folders *f, enum folder from, const char *name, enum folde
                 const char *new_name) {
     struct stat st;
     assert(from < N_FOLDERS && to < N_FOLDERS && f->fd[from] >= 0 && f->fd[to] >= 0);
-    if (renameat2(f->fd[from], name, f->fd[to], new_name, RENAME_NOREPLACE) == 0) {
+    if (renameat2(f->fd[from], name, f->fd[to], new_name, RENAME_NOREPLACE) == 0)
         return 0;
-    }
-    if (errno != EINVAL && errno != ENOSYS) {
+    if (errno != EINVAL && errno != ENOSYS)
         return errno;
-    }
     /* Network file systems have no such rename. Nobody but us puts files into these folders. */
     const int absent = folder_stat(f, to, new_name, &st);
-    if (absent != ENOENT) {
+    if (absent != ENOENT)
         return absent == 0 ? EEXIST : absent;
-    }
     return renameat(f->fd[from], name, f->fd[to], new_name) == 0 ? 0 : errno;
 }
 
@@ -253,18 +231,16 @@ DIR *folder_list(const folders *f, enum folder folder) {
 }
 
 void folder_list_close(DIR **dir) {
-    if (*dir != NULL) {
+    if (*dir != NULL)
         closedir(*dir);
-    }
 }
 
 const char *folder_of_place(const char *text, enum folder *folder) {
     for (*folder = DONE; *folder <= FAILED; (*folder)++) {
         const char *prefix = folder_name(*folder);
         const size_t n = strlen(prefix);
-        if (strncmp(text, prefix, n) == 0 && text[n] == '/') {
+        if (strncmp(text, prefix, n) == 0 && text[n] == '/')
             return text + n + 1;
-        }
     }
     return NULL;
 }

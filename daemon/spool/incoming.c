@@ -16,9 +16,8 @@ static candidate *find_or_add(spool *s, const char *name) {
         file = candidates_find(&s->candidates, name);
         file = file != NULL ? file : candidates_add(&s->candidates, name);
     }
-    if (file != NULL) {
+    if (file != NULL)
         file->generation = s->scan.generation;
-    }
     return file;
 }
 
@@ -42,9 +41,8 @@ void incoming_event(spool *s, enum watch_event event, const char *name) {
     }
     candidate *file =
         event == WATCH_GONE ? candidates_find(&s->candidates, name) : find_or_add(s, name);
-    if (file != NULL) {
+    if (file != NULL)
         examine_file(s, file, event);
-    }
 }
 
 /* ---- scans ---- */
@@ -76,24 +74,20 @@ static bool look_for_folders(spool *s) {
         report_trouble(s, "%s", err.message);
         return false;
     }
-    if (s->away || changed) {
+    if (s->away || changed)
         report_line(s, SPOOL_NOTICE, "%s: is there again", s->folders.path);
-    }
     s->away = false;
-    if (s->acquire_error == 0) {
+    if (s->acquire_error == 0)
         report_no_trouble(s);
-    }
-    if (changed || !s->stats.watching) {
+    if (changed || !s->stats.watching)
         watch_again(s);
-    }
     return true;
 }
 
 bool incoming_begin_scan(spool *s) {
     s->scan.next_ms = clock_ms(CLOCK_MONOTONIC) + s->tuning.scan_ms;
-    if (!look_for_folders(s)) {
+    if (!look_for_folders(s))
         return false;
-    }
     s->scan.dir = folder_list(&s->folders, INCOMING);
     if (s->scan.dir == NULL) {
         report_line(s, SPOOL_ERROR, "%s/incoming: cannot be searched: %s", s->folders.path,
@@ -126,9 +120,8 @@ bool incoming_scan(spool *s) {
             break;
         }
         candidate *file = find_or_add(s, entry->d_name);
-        if (file != NULL && file->state == CANDIDATE_IGNORED) {
+        if (file != NULL && file->state == CANDIDATE_IGNORED)
             examine_file(s, file, WATCH_NONE);
-        }
     }
     return s->scan.dir != NULL;
 }

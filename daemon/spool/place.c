@@ -57,9 +57,8 @@ void spool_find_place(const spool *s, const char *active_name, int names, spool_
     const char *name = name_of_active(active_name);
     char key[SPOOL_KEY_SIZE];
     *place = (spool_place){.name = ""};
-    if (name == NULL) {
+    if (name == NULL)
         return;
-    }
     name_key(key, active_name);
     for (int64_t n = 0; n < names; n++) {
         char one[NAME_SIZE];

@@ -17,9 +17,8 @@ void report_line(const spool *s, enum spool_level level, const char *format, ...
 
 void report_trouble(spool *s, const char *format, ...) {
     va_list list;
-    if (s->trouble[0] == '\0') {
+    if (s->trouble[0] == '\0')
         s->trouble_since_ms = s->call.now_ms(s->call.context);
-    }
     va_start(list, format);
     vsnprintf(s->trouble, sizeof s->trouble, format, list);
     va_end(list);

@@ -46,9 +46,8 @@ static int check_same(const spool *s, enum folder folder, const char *name,
 static int remove_report(const folders *f, enum folder folder, const char *name) {
     char report[NAME_REPORT_SIZE];
     const int error = folder_sync_move(f, folder);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     name_report(report, name);
     return unlinkat(f->fd[folder], report, 0) == 0 || errno == ENOENT ? 0 : errno;
 }
@@ -57,9 +56,8 @@ static int remove_report(const folders *f, enum folder folder, const char *name)
 static int move_back(const folders *f, const char *active_name, enum folder folder,
                      const char *name) {
     int error = undo_log_write(f, active_name, folder, name);
-    if (error == 0) {
+    if (error == 0)
         error = folder_move(f, folder, name, ACTIVE, active_name);
-    }
     if (error != 0) {
         undo_log_remove(f, active_name);
         return error;
@@ -67,9 +65,8 @@ static int move_back(const folders *f, const char *active_name, enum folder fold
     error = remove_report(f, folder, name);
     if (error != 0) {
         /* Where that fails, too, it stays in active/, and the next start tells of it. */
-        if (folder_move(f, ACTIVE, active_name, folder, name) == 0) {
+        if (folder_move(f, ACTIVE, active_name, folder, name) == 0)
             undo_log_remove(f, active_name);
-        }
         return error;
     }
     if (folder_sync(f, folder) == 0) {
@@ -83,12 +80,10 @@ int spool_restore(spool *s, const char *active_name, const spool_place *place, s
     struct stat st;
     enum folder folder = DONE;
     const char *name = place_parse(place, &folder);
-    if (name_of_active(active_name) == NULL) {
+    if (name_of_active(active_name) == NULL)
         return name_fail_active(active_name, err);
-    }
-    if (folder_stat(&s->folders, ACTIVE, active_name, &st) == 0) {
+    if (folder_stat(&s->folders, ACTIVE, active_name, &st) == 0)
         return SHEAR_OK;
-    }
     if (name == NULL) {
         return shear_fail(err, SPOOL_GONE,
                           "put the file into incoming/ again, it becomes a new job",
@@ -96,9 +91,8 @@ int spool_restore(spool *s, const char *active_name, const spool_place *place, s
                           name_of_active(active_name));
     }
     const int code = check_same(s, folder, name, place, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const int error = move_back(&s->folders, active_name, folder, name);
     if (error != 0) {
         return shear_fail(err, SHEAR_E_IO, "see that the spool's disk is sound and has room",

@@ -14,16 +14,14 @@ static const int64_t ns_per_s = 1000000000;
 static const int64_t ns_per_ms = 1000000;
 
 static void forget_items(retention *w) {
-    for (size_t i = 0; w->items != NULL && i < w->n; i++) {
+    for (size_t i = 0; w->items != NULL && i < w->n; i++)
         free(w->items[i].name);
-    }
     free(w->items);
     w->items = NULL;
     w->n = w->capacity = w->next = 0;
     w->bytes = 0;
-    if (w->dir != NULL) {
+    if (w->dir != NULL)
         closedir(w->dir);
-    }
     w->dir = NULL;
 }
 
@@ -41,9 +39,8 @@ bool retention_idle(const retention *w) {
 }
 
 void retention_begin(retention *w) {
-    if (retention_idle(w)) {
+    if (retention_idle(w))
         w->folder = DONE;
-    }
 }
 
 static const spool_retention *limits(const spool *s) {
@@ -57,13 +54,11 @@ static int64_t to_ns(struct timespec t) {
 }
 
 static bool append(retention *w, const char *name, const struct stat *st) {
-    if (!ARRAY_RESERVE(w->items, w->capacity, w->n + 1)) {
+    if (!ARRAY_RESERVE(w->items, w->capacity, w->n + 1))
         return false;
-    }
     char *copy = strdup(name);
-    if (copy == NULL) {
+    if (copy == NULL)
         return false;
-    }
     /* The last modification of the file is older than its end; the last change is its move here.
      * Better is the time when the report was written, if there is one. */
     w->items[w->n++] = (ended_file){.name = copy,
@@ -106,9 +101,8 @@ static void pair_with_reports(retention *w) {
 
 static void sort_out(retention *w) {
     size_t kept = 0;
-    if (w->n == 0) {
+    if (w->n == 0)
         return;
-    }
     qsort(w->items, w->n, sizeof *w->items, by_name);
     pair_with_reports(w);
     for (size_t i = 0; i < w->n; i++) {
@@ -132,9 +126,8 @@ static void end_reading(retention *w) {
     closedir(w->dir);
     w->dir = NULL;
     sort_out(w);
-    if (w->n == 0) {
+    if (w->n == 0)
         end_folder(w);
-    }
 }
 
 /* Only what this service put there, or could have put there, is counted and removed. False: memory
@@ -169,9 +162,8 @@ static void read_some(spool *s) {
 /* ---- removing ---- */
 
 static bool too_much(const retention *w, const spool_retention *keep, int64_t now_ns) {
-    if (w->next == w->n) {
+    if (w->next == w->n)
         return false;
-    }
     const int64_t age_ms = (now_ns - w->items[w->next].ended_ns) / ns_per_ms;
     return (keep->max_age_ms > 0 && age_ms > keep->max_age_ms) ||
            (keep->max_count > 0 && (int64_t)(w->n - w->next) > keep->max_count) ||
@@ -207,29 +199,25 @@ static bool remove_some(spool *s) {
         w->bytes -= w->items[w->next].bytes;
         w->next++;
     }
-    if (!too_much(w, limits(s), now_ns)) {
+    if (!too_much(w, limits(s), now_ns))
         end_folder(w);
-    }
     return !retention_idle(w);
 }
 
 bool retention_step(spool *s) {
     retention *w = &s->retention;
-    if (retention_idle(w)) {
+    if (retention_idle(w))
         return false;
-    }
     if (w->dir != NULL) {
         read_some(s);
         return true;
     }
-    if (w->items != NULL) {
+    if (w->items != NULL)
         return remove_some(s);
-    }
     const spool_retention *keep = limits(s);
     const bool limited = keep->max_age_ms > 0 || keep->max_count > 0 || keep->max_bytes > 0;
     w->dir = limited ? folder_list(&s->folders, w->folder) : NULL;
-    if (w->dir == NULL) {
+    if (w->dir == NULL)
         end_folder(w);
-    }
     return !retention_idle(w);
 }

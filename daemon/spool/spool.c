@@ -41,19 +41,16 @@ static void work(spool *s) {
     bool more = false;
     if (s->scan.dir == NULL && s->scan.next_ms <= clock_ms(CLOCK_MONOTONIC)) {
         unacknowledged_retry(&s->unacknowledged);
-        if (incoming_begin_scan(s)) {
+        if (incoming_begin_scan(s))
             retention_begin(&s->retention);
-        }
     }
     more |= incoming_scan(s);
     more |= acquire_settled(s);
     more |= announce_files(s);
-    if (!s->closed) {
+    if (!s->closed)
         more |= acquire_ready(s);
-    }
-    if (!s->closed) {
+    if (!s->closed)
         more |= announce_files(s);
-    }
     if (!s->closed) {
         more |= retention_step(s);
         sleep_until_next(s, more);
@@ -65,9 +62,8 @@ static void on_timer(uv_timer_t *timer) {
 }
 
 static void free_when_closed(spool *s) {
-    if (s->handles == 0) {
+    if (s->handles == 0)
         free(s);
-    }
 }
 
 static void on_closed(uv_handle_t *handle) {
@@ -78,9 +74,8 @@ static void on_closed(uv_handle_t *handle) {
 
 /* The handle first: later its descriptor's number may be somebody else's. */
 static void stop_watch(spool *s) {
-    if (s->polling) {
+    if (s->polling)
         uv_close((uv_handle_t *)&s->poll, on_closed);
-    }
     s->polling = false;
     watch_deinit(&s->watch);
     s->stats.watching = false;
@@ -124,9 +119,8 @@ static int no_memory(shear_error *err) {
 }
 
 static int list_one(spool *s, const char *active_name, shear_error *err) {
-    if (active_name[0] == '.') {
+    if (active_name[0] == '.')
         return SHEAR_OK;
-    }
     if (name_of_active(active_name) == NULL) {
         char name[NAME_SIZE];
         name_printable(name, active_name);
@@ -134,9 +128,8 @@ static int list_one(spool *s, const char *active_name, shear_error *err) {
                     name);
         return SHEAR_OK;
     }
-    if (!unacknowledged_add(&s->unacknowledged, active_name, true, false)) {
+    if (!unacknowledged_add(&s->unacknowledged, active_name, true, false))
         return no_memory(err);
-    }
     s->stats.active++;
     return SHEAR_OK;
 }
@@ -150,9 +143,8 @@ static int list_active(spool *s, shear_error *err) {
     }
     for (const struct dirent *entry = readdir(dir); entry != NULL; entry = readdir(dir)) {
         const int code = list_one(s, entry->d_name, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -160,17 +152,14 @@ static int list_active(spool *s, shear_error *err) {
 /* Returns 0 or errno. */
 static int watch_incoming(spool *s) {
     int error = watch_init(&s->watch);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     error = watch_start(&s->watch, s->folders.fd[INCOMING], s->folders.root);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     error = -uv_poll_init(s->loop, &s->poll, s->watch.fd);
-    if (error != 0) {
+    if (error != 0)
         return error;
-    }
     s->polling = true;
     s->poll.data = s;
     s->handles++;
@@ -193,34 +182,29 @@ static void start_watch(spool *s) {
 }
 
 void spool_close(spool *s) {
-    if (s == NULL) {
+    if (s == NULL)
         return;
-    }
     s->closed = true;
     stop_watch(s);
-    if (s->scan.dir != NULL) {
+    if (s->scan.dir != NULL)
         closedir(s->scan.dir);
-    }
     s->scan.dir = NULL;
     retention_deinit(&s->retention);
     unacknowledged_deinit(&s->unacknowledged);
     candidates_deinit(&s->candidates);
     folders_close(&s->folders);
-    if (s->started) {
+    if (s->started)
         uv_close((uv_handle_t *)&s->timer, on_closed);
-    }
     free_when_closed(s);
 }
 
 static int start(spool *s, shear_error *err) {
     int code = undo_log_recover(&s->folders, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = list_active(s, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     uv_timer_init(s->loop, &s->timer); /* never fails */
     s->timer.data = s;
     s->handles = 1;
@@ -235,9 +219,8 @@ int spool_open(spool **out, uv_loop_t *loop, const char *directory, const spool_
                const spool_callbacks *callbacks, shear_error *err) {
     *out = NULL;
     CLEANUP(spool_release) spool *s = calloc(1, sizeof *s);
-    if (s == NULL) {
+    if (s == NULL)
         return no_memory(err);
-    }
     s->loop = loop;
     s->tuning = *tuning;
     s->call = *callbacks;
@@ -247,13 +230,11 @@ int spool_open(spool **out, uv_loop_t *loop, const char *directory, const spool_
     unacknowledged_init(&s->unacknowledged);
     retention_init(&s->retention);
     int code = folders_open(&s->folders, directory, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = start(s, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *out = CLEANUP_TAKE(s);
     return SHEAR_OK;
 }
@@ -261,9 +242,8 @@ int spool_open(spool **out, uv_loop_t *loop, const char *directory, const spool_
 /* ---- the rest ---- */
 
 int spool_refuse(spool *s, const char *active_name, shear_error *err) {
-    if (!unacknowledged_add(&s->unacknowledged, active_name, true, true)) {
+    if (!unacknowledged_add(&s->unacknowledged, active_name, true, true))
         return no_memory(err);
-    }
     return SHEAR_OK;
 }
 
@@ -271,9 +251,8 @@ int spool_open_file(const spool *s, const char *active_name, int *out, shear_err
     const char *name = name_of_active(active_name);
     struct stat st;
     *out = -1;
-    if (name == NULL) {
+    if (name == NULL)
         return name_fail_active(active_name, err);
-    }
     /* Not to wait for the other end, should it be a pipe. */
     const int fd = openat(s->folders.fd[ACTIVE], active_name,
                           O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -282,9 +261,8 @@ int spool_open_file(const spool *s, const char *active_name, int *out, shear_err
         return SHEAR_OK;
     }
     const int error = fd >= 0 || errno == ELOOP || errno == ENXIO ? EINVAL : errno;
-    if (fd >= 0) {
+    if (fd >= 0)
         close(fd);
-    }
     const int code = error == EINVAL                     ? SPOOL_NOT_REGULAR
                      : error == ENOENT                   ? SPOOL_GONE
                      : error == EACCES || error == EPERM ? SPOOL_DENIED

@@ -21,9 +21,8 @@ void unacknowledged_deinit(unacknowledged *o) {
 bool unacknowledged_add(unacknowledged *o, const char *active_name, bool again, bool refused) {
     const size_t size = strlen(active_name) + 1;
     unacknowledged_file *one = malloc(sizeof *one + size);
-    if (one == NULL) {
+    if (one == NULL)
         return false;
-    }
     one->again = again;
     memcpy(one->active_name, active_name, size);
     if (refused) {
@@ -56,9 +55,8 @@ void unacknowledged_retry(unacknowledged *o) {
 
 unacknowledged_file *unacknowledged_next(unacknowledged *o) {
     unacknowledged_file *one = TAILQ_FIRST(&o->pending);
-    if (one != NULL) {
+    if (one != NULL)
         TAILQ_REMOVE(&o->pending, one, link);
-    }
     return one;
 }
 

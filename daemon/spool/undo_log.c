@@ -31,9 +31,8 @@ static bool read_link(const folders *f, const char *link, enum folder *folder,
                       char name[NAME_SIZE]) {
     char text[NAME_SIZE + 8];
     const ssize_t n = readlinkat(f->fd[ACTIVE], link, text, sizeof text);
-    if (n <= 0 || n >= (ssize_t)sizeof text) {
+    if (n <= 0 || n >= (ssize_t)sizeof text)
         return false;
-    }
     text[n] = '\0';
     const char *target = folder_of_place(text, folder);
     return target != NULL && strchr(target, '/') == NULL && text_set(name, NAME_SIZE, target);
@@ -43,9 +42,8 @@ static bool read_link(const folders *f, const char *link, enum folder *folder,
 static bool strip(char out[NAME_SIZE], const char *name, const char *suffix) {
     const size_t n = strlen(name);
     const size_t m = strlen(suffix);
-    if (name[0] != '.' || n <= m + 1 || strcmp(name + n - m, suffix) != 0) {
+    if (name[0] != '.' || n <= m + 1 || strcmp(name + n - m, suffix) != 0)
         return false;
-    }
     snprintf(out, NAME_SIZE, "%.*s", (int)(n - m - 1), name + 1);
     return name_of_active(out) != NULL;
 }
@@ -56,14 +54,12 @@ static int undo(const folders *f, const char *link, const char *active_name) {
     struct stat st;
     enum folder folder = DONE;
     const int error = folder_stat(f, ACTIVE, active_name, &st);
-    if (error != 0 && error != ENOENT) {
+    if (error != 0 && error != ENOENT)
         return error;
-    }
     if (error == 0 && read_link(f, link, &folder, name)) {
         name_report(report, name);
-        if (unlinkat(f->fd[folder], report, 0) != 0 && errno != ENOENT) {
+        if (unlinkat(f->fd[folder], report, 0) != 0 && errno != ENOENT)
             return errno;
-        }
     }
     return unlinkat(f->fd[ACTIVE], link, 0) == 0 ? 0 : errno;
 }
@@ -71,9 +67,8 @@ static int undo(const folders *f, const char *link, const char *active_name) {
 /* Returns 0 or errno. */
 static int recover_one(const folders *f, const char *name) {
     char active_name[NAME_SIZE];
-    if (strip(active_name, name, undo_suffix)) {
+    if (strip(active_name, name, undo_suffix))
         return undo(f, name, active_name);
-    }
     if (strip(active_name, name, temporary_suffix)) {
         unlinkat(f->fd[ACTIVE], name, 0); /* gone, or seen by the next start */
     }
@@ -82,19 +77,16 @@ static int recover_one(const folders *f, const char *name) {
 
 static int recover_all(const folders *f) {
     CLEANUP(folder_list_close) DIR *dir = folder_list(f, ACTIVE);
-    if (dir == NULL) {
+    if (dir == NULL)
         return errno;
-    }
     for (;;) {
         errno = 0;
         const struct dirent *entry = readdir(dir);
-        if (entry == NULL) {
+        if (entry == NULL)
             return errno;
-        }
         const int error = recover_one(f, entry->d_name);
-        if (error != 0) {
+        if (error != 0)
             return error;
-        }
     }
 }
 

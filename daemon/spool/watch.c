@@ -24,16 +24,14 @@ int watch_init(watch *w) {
 }
 
 void watch_deinit(watch *w) {
-    if (w->fd >= 0) {
+    if (w->fd >= 0)
         close(w->fd);
-    }
     *w = (watch){-1, -1, -1};
 }
 
 static void forget(watch *w, int *id) {
-    if (*id >= 0) {
+    if (*id >= 0)
         inotify_rm_watch(w->fd, *id);
-    }
     *id = -1;
 }
 
@@ -46,24 +44,20 @@ static int add(watch *w, int directory, uint32_t wanted, int *id) {
 }
 
 int watch_start(watch *w, int directory, int parent) {
-    if (w->fd < 0) {
+    if (w->fd < 0)
         return EBADF;
-    }
     forget(w, &w->id);
     const int error = add(w, parent, of_parent, &w->parent); /* the same number every time */
     return error == 0 ? add(w, directory, of_directory, &w->id) : error;
 }
 
 static enum watch_event meaning(uint32_t mask) {
-    if ((mask & IN_Q_OVERFLOW) != 0) {
+    if ((mask & IN_Q_OVERFLOW) != 0)
         return WATCH_OVERFLOW;
-    }
-    if ((mask & (IN_UNMOUNT | IN_IGNORED)) != 0) {
+    if ((mask & (IN_UNMOUNT | IN_IGNORED)) != 0)
         return WATCH_LOST;
-    }
-    if ((mask & (IN_CLOSE_WRITE | IN_MOVED_TO)) != 0) {
+    if ((mask & (IN_CLOSE_WRITE | IN_MOVED_TO)) != 0)
         return WATCH_COMPLETE;
-    }
     return (mask & IN_CREATE) != 0 ? WATCH_BEGUN : WATCH_GONE;
 }
 
@@ -77,9 +71,8 @@ static void dispatch(watch *w, const struct inotify_event *event,
     } else if (kind != WATCH_OVERFLOW && event->wd != w->id) {
         return; /* beside it, or of a directory that is no longer watched */
     }
-    if (kind == WATCH_LOST) {
+    if (kind == WATCH_LOST)
         forget(w, &w->id);
-    }
     if (kind == WATCH_OVERFLOW || kind == WATCH_LOST) {
         handle(context, kind, NULL);
     } else if (named) {
@@ -91,12 +84,10 @@ int watch_read(watch *w, void (*handle)(void *, enum watch_event, const char *),
     _Alignas(struct inotify_event) char buffer[16384];
     for (;;) {
         const ssize_t n = read(w->fd, buffer, sizeof buffer);
-        if (n < 0 && errno == EINTR) {
+        if (n < 0 && errno == EINTR)
             continue;
-        }
-        if (n <= 0) {
+        if (n <= 0)
             return n == 0 || errno == EAGAIN ? 0 : errno;
-        }
         for (ssize_t at = 0; at < n;) {
             const struct inotify_event *event = (const void *)(buffer + at);
             dispatch(w, event, handle, context);

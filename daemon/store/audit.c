@@ -13,9 +13,8 @@ int store_check(store *s, shear_error *err) {
     CLEANUP(query_end)
     query q = query_once(s, "PRAGMA quick_check(1)", "checking the database's pages");
     const int code = query_step(&q, &row, err);
-    if (!row) {
+    if (!row)
         return code;
-    }
     const char *answer = query_peek_text(&q);
     if (answer == NULL || strcmp(answer, "ok") != 0) {
         return shear_fail(err, SHEAR_E_FORMAT, damaged, "%s: is damaged: %s", s->path,
@@ -75,9 +74,8 @@ static int find_contradiction(store *s, const char *sql, const char *meaning, sh
     bool row = false;
     CLEANUP(query_end) query q = query_once(s, sql, meaning);
     const int code = query_step(&q, &row, err);
-    if (!row) {
+    if (!row)
         return code;
-    }
     const char *where = query_peek_text(&q);
     return shear_fail(err, SHEAR_E_FORMAT, damaged, "%s: %s (%s)", s->path, meaning,
                       where != NULL ? where : "null");
@@ -88,9 +86,8 @@ static int add_row(store *s, query *q, shear_field_sums *sums, shear_error *err)
     CLEANUP(shear_field_sums_release) shear_field_sums *one = NULL;
     bool null = false;
     const int code = sums_parse_packed(&one, query_peek_text(q), err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const double size = query_get_real(q, &null);
     const int64_t stamp = query_get_int(q);
     const shear_influence top = shear_field_sums_top(one);
@@ -110,23 +107,19 @@ static int join_contributions(store *s, int64_t field, char **text, shear_error 
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     bool row = false;
     int code = shear_field_sums_new(&sums, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     CLEANUP(query_end) query q = query_once(s, sql, sql);
     query_int(&q, field);
     for (;;) {
         code = query_step(&q, &row, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
-        if (!row) {
+        if (!row)
             return shear_field_sums_format(sums, text, err);
-        }
         code = add_row(s, &q, sums, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
 }
 
@@ -142,13 +135,11 @@ static int audit_field(store *s, int64_t field, const char *name, const char *pa
     CLEANUP(release_free) char *joined = NULL;
     CLEANUP(release_free) char *kept = NULL;
     int code = join_contributions(s, field, &joined, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = read_packed(packed, &kept, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (strcmp(joined, kept) != 0) {
         return shear_fail(err, SHEAR_E_FORMAT, damaged,
                           "%s: the sums of field '%s' are not those of its contributions", s->path,
@@ -163,15 +154,13 @@ static int audit_fields(store *s, shear_error *err) {
     CLEANUP(query_end) query q = query_once(s, sql, sql);
     for (;;) {
         int code = query_step(&q, &row, err);
-        if (!row) {
+        if (!row)
             return code;
-        }
         const int64_t id = query_get_int(&q);
         const char *name = query_peek_text(&q);
         code = audit_field(s, id, name, query_peek_text(&q), err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
 }
 
@@ -179,9 +168,8 @@ int store_audit(store *s, shear_error *err) {
     const size_t n = sizeof contradictions / sizeof contradictions[0];
     for (size_t i = 0; i < n; i++) {
         const int code = find_contradiction(s, contradictions[i][0], contradictions[i][1], err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return audit_fields(s, err);
 }

@@ -23,9 +23,8 @@ static int write_checkpoint(store *s, int64_t id, const store_progress *p, const
                             shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (job.content == NULL) {
         return shear_fail(err, STORE_WRONG_STATE, NULL,
                           "job %" PRId64 ": its content must be known before a checkpoint", id);
@@ -41,13 +40,11 @@ static int write_checkpoint(store *s, int64_t id, const store_progress *p, const
 int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress, shear_error *err) {
     CLEANUP(release_free) char *packed = NULL;
     int code = check_checkpoint(id, progress, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = sums_pack(progress->sums, &packed, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return OPERATION(s, write_checkpoint(s, id, progress, packed, err), err);
 }
 
@@ -64,18 +61,15 @@ int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums
     CLEANUP(query_end) query q = query_on(s, SQL_CHECKPOINT_GET);
     query_int(&q, id);
     int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (!row) {
+    if (!row)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "job %" PRId64 " has no checkpoint", id);
-    }
     const int64_t block = query_get_int(&q);
     CLEANUP(release_free) char *packed = query_get_text(&q);
     code = query_got(&q, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = sums_unpack(packed, sums, err);
     *next_block = code == SHEAR_OK ? block : 0;
     return code;

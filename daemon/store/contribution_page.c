@@ -31,14 +31,12 @@ static void read_contribution(query *q, store_contribution *c) {
 static int read_page(query *q, size_t limit, store_contribution_page *page, shear_error *err) {
     for (;;) {
         int code = query_step(q, &page->more, err);
-        if (!page->more || page->n == limit) {
+        if (!page->more || page->n == limit)
             return code;
-        }
         read_contribution(q, &page->items[page->n++]);
         code = query_got(q, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
 }
 
@@ -48,21 +46,18 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     *page = (store_contribution_page){0};
     limit = page_limit(limit);
     int code = field_row_find(s, name, settings_digest, &field, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     page->items = calloc(limit + 1, sizeof *page->items);
-    if (page->items == NULL) {
+    if (page->items == NULL)
         return page_no_memory(err);
-    }
     CLEANUP(query_end) query q = query_on(s, SQL_CONTRIBUTIONS);
     query_int(&q, field);
     query_int(&q, after);
     query_int(&q, (int64_t)limit + 1);
     code = read_page(&q, limit, page, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         store_contribution_page_deinit(page);
-    }
     return code;
 }
 
@@ -91,17 +86,14 @@ int store_field_truth(store *s, const char *name, const char *settings_digest, s
     bool none = true;
     *truth = (store_truth){0};
     int code = field_row_find(s, name, settings_digest, &field, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = end_of_truths(s, SQL_FIELD_LEAST_TRUTH, field, least, &none, err);
-    if (code != SHEAR_OK || none) {
+    if (code != SHEAR_OK || none)
         return code;
-    }
     code = end_of_truths(s, SQL_FIELD_GREATEST_TRUTH, field, greatest, &none, err);
-    if (!none && least[0] == greatest[0] && least[1] == greatest[1]) {
+    if (!none && least[0] == greatest[0] && least[1] == greatest[1])
         *truth = (store_truth){true, least[0], least[1]};
-    }
     return code;
 }
 
@@ -120,12 +112,10 @@ int store_contribution_sums(store *s, int64_t id, char **sums, shear_error *err)
     CLEANUP(query_end) query q = query_on(s, SQL_CONTRIBUTION_SUMS);
     query_int(&q, id);
     int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (!row) {
+    if (!row)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no contribution %" PRId64, id);
-    }
     CLEANUP(release_free) char *packed = query_get_text(&q);
     code = query_got(&q, err);
     return code != SHEAR_OK ? code : sums_unpack(packed, sums, err);

@@ -21,9 +21,8 @@ int database_number(sqlite3 *db, const char *path, const char *sql, int64_t *val
     sqlite3_stmt *stmt = NULL;
     *value = 0;
     int rc = sqlite3_prepare_v2(db, sql, -1, &stmt, NULL);
-    if (rc == SQLITE_OK) {
+    if (rc == SQLITE_OK)
         rc = sqlite3_step(stmt);
-    }
     if (rc == SQLITE_ROW) {
         *value = sqlite3_column_int64(stmt, 0);
         rc = SQLITE_DONE;
@@ -41,9 +40,8 @@ static int make_file(const char *path, shear_error *err) {
         close(fd);
         return SHEAR_OK;
     }
-    if (errno == EEXIST) {
+    if (errno == EEXIST)
         return SHEAR_OK;
-    }
     return shear_fail(err, SHEAR_E_IO, "see that the state directory exists and is writable",
                       "%s: cannot be made: %s", path, strerror(errno));
 }
@@ -72,17 +70,14 @@ static int identify(sqlite3 *db, const char *path, int *version, shear_error *er
     int64_t written = 0;
     int64_t tables = 0;
     int code = database_number(db, path, "PRAGMA application_id", &application, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = database_number(db, path, "PRAGMA user_version", &written, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = database_number(db, path, "SELECT count(*) FROM sqlite_schema", &tables, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const bool empty = application == 0 && written == 0 && tables == 0;
     if (!empty && application != SCHEMA_APPLICATION) {
         return shear_fail(err, SHEAR_E_FORMAT, "configure another state directory",
@@ -103,9 +98,8 @@ static int connect(sqlite3 **db, const char *path, const store_options *options,
                    shear_error *err) {
     const int rc =
         sqlite3_open_v2(path, db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, options->vfs);
-    if (rc != SQLITE_OK) {
+    if (rc != SQLITE_OK)
         return database_fail(*db, path, rc, "opening", err);
-    }
     const int code = prepare(*db, path, options->busy_ms, err);
     return code != SHEAR_OK ? code : identify(*db, path, version, err);
 }
@@ -114,9 +108,8 @@ int database_connect(sqlite3 **db, const char *path, const store_options *option
                      shear_error *err) {
     *db = NULL;
     int code = make_file(path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = connect(db, path, options, version, err);
     if (code != SHEAR_OK) {
         sqlite3_close(*db);
@@ -132,12 +125,10 @@ static void statement_finalize(sqlite3_stmt **stmt) {
 static int start_wal(sqlite3 *db, const char *path, shear_error *err) {
     CLEANUP(statement_finalize) sqlite3_stmt *stmt = NULL;
     int rc = sqlite3_prepare_v2(db, "PRAGMA journal_mode = WAL", -1, &stmt, NULL);
-    if (rc == SQLITE_OK) {
+    if (rc == SQLITE_OK)
         rc = sqlite3_step(stmt);
-    }
-    if (rc != SQLITE_ROW) {
+    if (rc != SQLITE_ROW)
         return database_fail(db, path, rc, "starting the write-ahead log", err);
-    }
     if (strcmp((const char *)sqlite3_column_text(stmt, 0), "wal") != 0) {
         return shear_fail(err, SHEAR_E_IO, "keep the state directory on a local file system",
                           "%s: a write-ahead log is not possible here", path);
@@ -147,9 +138,8 @@ static int start_wal(sqlite3 *db, const char *path, shear_error *err) {
 
 int database_use_wal(sqlite3 *db, const char *path, shear_error *err) {
     const int code = start_wal(db, path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     /* The log shrinks back to this after a burst. */
     return database_exec(db, path, "PRAGMA journal_size_limit = 67108864", err);
 }

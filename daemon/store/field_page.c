@@ -15,9 +15,8 @@ static void deinit(store_field *f) {
 }
 
 void store_field_page_deinit(store_field_page *page) {
-    for (size_t i = 0; i < page->n; i++) {
+    for (size_t i = 0; i < page->n; i++)
         deinit(&page->fields[i]);
-    }
     free(page->fields);
     *page = (store_field_page){0};
 }
@@ -70,28 +69,24 @@ static int get_by_name(store *s, const char *name, store_field_page *page, shear
     query_text(&q, name);
     query_int(&q, STORE_PAGE_MAX + 1);
     int code = read_page(&q, "", STORE_PAGE_MAX, page, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     query pending = query_on(s, SQL_FIELD_PENDING);
     query_text(&pending, name);
     code = query_number(&pending, 0, &page->unfinished, err);
-    if (code != SHEAR_OK || page->n > 0 || page->unfinished > 0) {
+    if (code != SHEAR_OK || page->n > 0 || page->unfinished > 0)
         return code;
-    }
     return shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names",
                       "there is no field '%.*s'", STORE_FIELD_MAX, name);
 }
 
 int store_field_get(store *s, const char *name, store_field_page *page, shear_error *err) {
     int code = allocate(STORE_PAGE_MAX, page, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = get_by_name(s, name, page, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         store_field_page_deinit(page);
-    }
     return code;
 }
 
@@ -102,9 +97,8 @@ int store_fields(store *s, const store_field_filter *filter, size_t limit, store
     const char *digest = filter->after_digest != NULL ? filter->after_digest : "";
     limit = page_limit(limit);
     int code = allocate(limit, page, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     /* No digest is empty: (prefix, "") is before the first name that begins with the prefix. */
     const bool inside = strcmp(name, prefix) >= 0;
     CLEANUP(query_end) query q = query_on(s, SQL_FIELDS);
@@ -112,8 +106,7 @@ int store_fields(store *s, const store_field_filter *filter, size_t limit, store
     query_text(&q, inside ? digest : "");
     query_int(&q, (int64_t)limit + 1);
     code = read_page(&q, prefix, limit, page, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         store_field_page_deinit(page);
-    }
     return code;
 }

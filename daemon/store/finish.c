@@ -28,17 +28,14 @@ static void job_sums_deinit(job_sums *j) {
 static int job_sums_init(job_sums *j, const store_work *w, shear_error *err) {
     shear_result result;
     *j = (job_sums){.terms = w->terms, .terms_size = w->terms_size};
-    if (w->sums == NULL) {
+    if (w->sums == NULL)
         return SHEAR_OK;
-    }
     int code = sums_parse_given(&j->sums, w->sums, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = terms_check(w->terms, w->terms_size, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_field_result(j->sums, &result);
     j->n_stamps = result.n_stamps;
     j->n_used = result.n_used;
@@ -63,9 +60,8 @@ static int add_field(store *s, const job_row *job, const job_sums *j, int64_t no
 static int join(const char *field_packed, const job_sums *j, char **packed, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     const int code = sums_parse_packed(&sums, field_packed, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_field_sums_join(sums, j->sums);
     return sums_format_packed(sums, packed, err);
 }
@@ -74,9 +70,8 @@ static int join_field(store *s, const field_row *field, const job_sums *j, int64
                       shear_error *err) {
     CLEANUP(release_free) char *packed = NULL;
     const int code = join(field->packed, j, &packed, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     query q = query_on(s, SQL_FIELD_JOIN);
     query_int(&q, field->id);
     query_text(&q, packed);
@@ -112,18 +107,15 @@ static int count(store *s, const job_row *job, const job_sums *j, const store_wo
     OPERATION_ASSERT_OPEN(s);
     assert(job->field != NULL && job->content != NULL && j->sums != NULL);
     int code = field_row_get(s, job->field, job->settings_digest, &field, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = field.id == 0 ? add_field(s, job, j, w->now_ms, &field.id, err)
                          : join_field(s, &field, j, w->now_ms, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = add_contribution(s, job, field.id, j, w, err);
-    if (code != SHEAR_OK || j->terms == NULL) {
+    if (code != SHEAR_OK || j->terms == NULL)
         return code;
-    }
     return terms_add_contribution(s, j->terms, j->terms_size, err);
 }
 
@@ -150,9 +142,8 @@ static int finish_done(store *s, const job_row *job, const store_work *w, const 
     int code = SHEAR_OK;
     if (!job->force) {
         code = identity_find(s, job->field, job->settings_digest, job->content, &m, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     *end = (store_finished){STORE_DONE, m.job != 0 ? STORE_DUPLICATE : STORE_COUNTED, m.job};
     if (m.job == 0) {
@@ -163,9 +154,8 @@ static int finish_done(store *s, const job_row *job, const store_work *w, const 
         }
         m = (identity_match){0, j->n_stamps, j->n_used};
         code = count(s, job, j, w, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     code = job_close_attempt(s, job->id, STORE_ATTEMPT_DONE, w->now_ms, NULL, err);
     return code != SHEAR_OK ? code : write_done(s, job->id, w, end, &m, err);
@@ -182,12 +172,10 @@ static int finish(store *s, int64_t id, const store_work *w, const job_sums *j, 
                   shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     const int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (job.cancel_asked) {
+    if (job.cancel_asked)
         return finish_cancelled(s, &job, w, end, err);
-    }
     if (job.field == NULL || job.content == NULL) {
         return shear_fail(err, STORE_WRONG_STATE, NULL,
                           "job %" PRId64 ": its field and content must be known at its end", id);
@@ -203,16 +191,13 @@ int store_finish(store *s, int64_t id, const store_work *work, store_finished *e
     CLEANUP(job_sums_deinit) job_sums j = {0};
     *end = (store_finished){0};
     int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = job_sums_init(&j, work, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = OPERATION(s, finish(s, id, work, &j, end, err), err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         *end = (store_finished){0};
-    }
     return code;
 }

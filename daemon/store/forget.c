@@ -28,9 +28,8 @@ static int next_row(store *s, const char *name, forgotten_row *r, shear_error *e
     query_text(&q, name);
     query_text(&q, before.digest != NULL ? before.digest : "");
     const int code = query_step(&q, &row, err);
-    if (!row) {
+    if (!row)
         return code;
-    }
     r->id = query_get_int(&q);
     r->digest = query_get_text(&q);
     r->jobs = query_get_int(&q);
@@ -42,13 +41,11 @@ static int check_finished(store *s, const char *name, const char *digest, shear_
     int64_t n = 0;
     query q = query_on(s, digest != NULL ? SQL_FIELD_UNFINISHED : SQL_FIELD_PENDING);
     query_text(&q, name);
-    if (digest != NULL) {
+    if (digest != NULL)
         query_text(&q, digest);
-    }
     const int code = query_number(&q, 0, &n, err);
-    if (code != SHEAR_OK || n == 0) {
+    if (code != SHEAR_OK || n == 0)
         return code;
-    }
     return shear_fail(err, STORE_WRONG_STATE, "wait for them, or cancel them",
                       "%" PRId64 " unfinished jobs belong to field '%.*s'", n, STORE_FIELD_MAX,
                       name);
@@ -60,9 +57,8 @@ static int forget_row(store *s, const char *name, const forgotten_row *r, store_
     query_int(&q, r->id);
     query_text(&q, name);
     const int code = query_run(&q, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     out->last = sqlite3_last_insert_rowid(s->db);
     out->rows++;
     out->contributions += r->jobs;
@@ -74,23 +70,18 @@ static int forget(store *s, const char *name, const char *wanted, store_forgotte
     CLEANUP(forgotten_row_deinit) forgotten_row r = {0};
     for (;;) {
         int code = next_row(s, name, &r, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
-        if (r.id == 0) {
+        if (r.id == 0)
             break;
-        }
-        if (wanted != NULL && strcmp(wanted, r.digest) != 0) {
+        if (wanted != NULL && strcmp(wanted, r.digest) != 0)
             continue;
-        }
         code = check_finished(s, name, wanted, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         code = forget_row(s, name, &r, out, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     if (out->rows == 0) {
         return shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names and settings",
@@ -104,9 +95,8 @@ int store_forget(store *s, const char *name, const char *settings_digest, store_
                  shear_error *err) {
     *out = (store_forgotten){0};
     const int code = OPERATION(s, forget(s, name, settings_digest, out, err), err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         *out = (store_forgotten){0};
-    }
     return code;
 }
 
@@ -123,9 +113,8 @@ int store_next_removal(store *s, store_removal *next, shear_error *err) {
     *next = (store_removal){0};
     CLEANUP(query_end) query q = query_on(s, SQL_FORGOTTEN_NEXT);
     int code = query_step(&q, &row, err);
-    if (!row) {
+    if (!row)
         return code;
-    }
     next->forgotten = query_get_int(&q);
     next->field = query_get_text(&q);
     next->contribution = query_get_int(&q);
@@ -133,25 +122,21 @@ int store_next_removal(store *s, store_removal *next, shear_error *err) {
     next->kept = query_get_int(&q) != 0;
     next->catalog = query_get_text(&q);
     code = query_got(&q, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         store_removal_deinit(next);
-    }
     return code;
 }
 
 static int remove_contribution(store *s, const store_removal *removal, bool catalog_gone,
                                shear_error *err) {
-    if (removal->contribution == 0) {
+    if (removal->contribution == 0)
         return query_run_id(s, SQL_FORGOTTEN_DROP, removal->forgotten, err);
-    }
     int code = query_run_id(s, SQL_CONTRIBUTION_DROP, removal->contribution, err);
-    if (code != SHEAR_OK || !removal->kept) {
+    if (code != SHEAR_OK || !removal->kept)
         return code;
-    }
     code = query_run_id(s, SQL_JOB_RETRACT, removal->job, err);
-    if (code != SHEAR_OK || removal->catalog == NULL || !catalog_gone) {
+    if (code != SHEAR_OK || removal->catalog == NULL || !catalog_gone)
         return code;
-    }
     return query_run_id(s, SQL_CATALOG_GONE, removal->job, err);
 }
 

@@ -7,9 +7,8 @@ int identity_find(store *s, const char *field, const char *settings_digest, cons
                   identity_match *match, shear_error *err) {
     bool row = false;
     *match = (identity_match){0};
-    if (field == NULL || content == NULL) {
+    if (field == NULL || content == NULL)
         return SHEAR_OK;
-    }
     CLEANUP(query_end) query q = query_on(s, SQL_COUNTED_FIND);
     query_text(&q, field);
     query_text(&q, settings_digest);

@@ -20,12 +20,10 @@ int job_row_get(store *s, int64_t id, job_row *job, shear_error *err) {
     CLEANUP(query_end) query q = query_on(s, SQL_JOB_ROW);
     query_int(&q, id);
     const int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (!row) {
+    if (!row)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
-    }
     job->state = (enum store_state)query_get_int(&q);
     job->cancel_asked = query_get_int(&q) != 0;
     job->force = query_get_int(&q) != 0;
@@ -42,9 +40,8 @@ int job_wrong_state(const job_row *job, const char *wanted, shear_error *err) {
 
 int job_row_get_running(store *s, int64_t id, job_row *job, shear_error *err) {
     const int code = job_row_get(s, id, job, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return job->state == STORE_RUNNING ? SHEAR_OK : job_wrong_state(job, "running", err);
 }
 
@@ -84,13 +81,11 @@ int job_put_back(store *s, int64_t id, enum store_attempt_outcome outcome, int64
     CLEANUP(job_row_deinit) job_row job = {0};
     *state = STORE_QUEUED;
     int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = job_close_attempt(s, id, outcome, now_ms, NULL, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (job.cancel_asked) {
         *state = STORE_CANCELLED;
         return job_make_cancelled(s, id, now_ms, err);
@@ -102,9 +97,8 @@ int job_check_capacity(store *s, int64_t max_unfinished, shear_error *err) {
     int64_t unfinished = 0;
     query q = query_on(s, SQL_UNFINISHED);
     const int code = query_number(&q, 0, &unfinished, err);
-    if (code != SHEAR_OK || unfinished < max_unfinished) {
+    if (code != SHEAR_OK || unfinished < max_unfinished)
         return code;
-    }
     return shear_fail(err, STORE_QUEUE_FULL, "submit again when jobs have finished",
                       "the queue is full: %" PRId64 " unfinished jobs, the limit is %" PRId64,
                       unfinished, max_unfinished);

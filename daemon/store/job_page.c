@@ -15,9 +15,8 @@ typedef struct id_list {
 } id_list;
 
 void store_job_page_deinit(store_job_page *page) {
-    for (size_t i = 0; i < page->n; i++) {
+    for (size_t i = 0; i < page->n; i++)
         store_job_deinit(&page->jobs[i]);
-    }
     free(page->jobs);
     *page = (store_job_page){0};
 }
@@ -28,9 +27,8 @@ int store_last_job(store *s, int64_t *id, shear_error *err) {
 }
 
 static enum sql statement_for(const store_job_filter *f) {
-    if (f->field != NULL) {
+    if (f->field != NULL)
         return f->by_owner ? SQL_JOBS_BY_BOTH : SQL_JOBS_BY_FIELD;
-    }
     return f->by_owner ? SQL_JOBS_BY_OWNER : SQL_JOBS_BY_STATE;
 }
 
@@ -42,12 +40,10 @@ static int add_ids(store *s, const store_job_filter *f, enum store_state state, 
     query_int(&q, state);
     query_int(&q, f->before > 0 ? f->before : INT64_MAX);
     query_int(&q, (int64_t)limit);
-    if (f->by_owner) {
+    if (f->by_owner)
         query_int(&q, f->owner);
-    }
-    if (f->field != NULL) {
+    if (f->field != NULL)
         query_text(&q, f->field);
-    }
     int code = query_step(&q, &row, err);
     while (row && list->n < IDS_MAX) {
         list->ids[list->n++] = query_get_int(&q);
@@ -68,9 +64,8 @@ static int find_ids(store *s, const store_job_filter *f, size_t limit, id_list *
     list->n = 0;
     for (enum store_state state = STORE_QUEUED; state < STORE_N_STATES && code == SHEAR_OK;
          state++) {
-        if (f->states == 0 || (f->states & 1u << state) != 0) {
+        if (f->states == 0 || (f->states & 1u << state) != 0)
             code = add_ids(s, f, state, limit, list, err);
-        }
     }
     qsort(list->ids, list->n, sizeof list->ids[0], descending);
     return code;
@@ -82,9 +77,8 @@ static int fill(store *s, const id_list *list, size_t limit, store_job_page *pag
     int code = SHEAR_OK;
     page->more = list->n > limit;
     page->jobs = calloc(n + 1, sizeof *page->jobs);
-    if (page->jobs == NULL) {
+    if (page->jobs == NULL)
         return page_no_memory(err);
-    }
     while (page->n < n && code == SHEAR_OK) {
         code = store_job_get(s, list->ids[page->n], &page->jobs[page->n], err);
         page->n++;
@@ -97,16 +91,13 @@ int store_jobs(store *s, const store_job_filter *filter, size_t limit, store_job
     *page = (store_job_page){0};
     limit = page_limit(limit);
     CLEANUP(release_free) id_list *list = malloc(sizeof *list);
-    if (list == NULL) {
+    if (list == NULL)
         return page_no_memory(err);
-    }
     int code = find_ids(s, filter, limit + 1, list, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = fill(s, list, limit, page, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         store_job_page_deinit(page);
-    }
     return code;
 }

@@ -53,9 +53,8 @@ void store_job_deinit(store_job *job) {
         job->field,   job->source, job->settings, job->settings_digest, job->key,
         job->content, job->code,   job->message,  job->advice,          job->result,
         job->catalog, job->groups, job->dropped,  job->place,           job->place_fingerprint};
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
         free(texts[i]);
-    }
     *job = (store_job){0};
 }
 
@@ -69,18 +68,15 @@ int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
     CLEANUP(query_end) query q = query_on(s, SQL_JOB_GET);
     query_int(&q, id);
     int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (!row) {
+    if (!row)
         return no_job(id, err);
-    }
     read_numbers(&q, job);
     read_texts(&q, job);
     code = query_got(&q, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         store_job_deinit(job);
-    }
     return code;
 }
 
@@ -90,12 +86,10 @@ int store_job_state(store *s, int64_t id, enum store_state *state, shear_error *
     query q = query_on(s, SQL_JOB_STATE);
     query_int(&q, id);
     const int code = query_number(&q, NO_ROW, &number, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (number == NO_ROW) {
+    if (number == NO_ROW)
         return no_job(id, err);
-    }
     *state = (enum store_state)number;
     return SHEAR_OK;
 }
@@ -125,14 +119,12 @@ static int read_attempts(store *s, int64_t id, store_attempts *list, shear_error
     query_int(&q, id);
     for (;;) {
         int code = query_step(&q, &row, err);
-        if (!row || list->n == STORE_ATTEMPTS_KEPT) {
+        if (!row || list->n == STORE_ATTEMPTS_KEPT)
             return code;
-        }
         read_attempt(&q, &list->attempts[list->n++]);
         code = query_got(&q, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
 }
 
@@ -140,16 +132,13 @@ int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *
     enum store_state state;
     *list = (store_attempts){0};
     int code = store_job_state(s, id, &state, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     list->attempts = calloc(STORE_ATTEMPTS_KEPT, sizeof *list->attempts);
-    if (list->attempts == NULL) {
+    if (list->attempts == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for attempts");
-    }
     code = read_attempts(s, id, list, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         store_attempts_deinit(list);
-    }
     return code;
 }

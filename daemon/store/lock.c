@@ -30,14 +30,12 @@ int lock_acquire(int *fd, const char *path, int busy_ms, shear_error *err) {
     char name[STORE_PATH_MAX + sizeof ".lock"];
     snprintf(name, sizeof name, "%s.lock", path);
     *fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NOCTTY, 0600);
-    if (*fd < 0) {
+    if (*fd < 0)
         return fail(name, "made", err);
-    }
     int waited_ms = 0;
     while (flock(*fd, LOCK_EX | LOCK_NB) != 0) {
-        if (errno == EINTR) {
+        if (errno == EINTR)
             continue;
-        }
         if (errno != EWOULDBLOCK || waited_ms >= busy_ms) {
             const int code =
                 errno != EWOULDBLOCK ? fail(name, "locked", err) : lock_fail(path, err);

@@ -17,9 +17,8 @@ int store_count(store *s, store_counts *counts, shear_error *err) {
         }
         code = query_step(&q, &row, err);
     }
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         *counts = (store_counts){0};
-    }
     return code;
 }
 
@@ -32,9 +31,8 @@ static void read_totals(query *q, store_totals *t) {
     t->retired = query_get_int(q);
     t->attempts = query_get_int(q);
     t->interrupted = query_get_int(q);
-    for (int i = STORE_NO_CLASS; i <= STORE_BUG; i++) {
+    for (int i = STORE_NO_CLASS; i <= STORE_BUG; i++)
         t->failures[i] = query_get_int(q);
-    }
     t->n_stamps = query_get_int(q);
     t->n_used = query_get_int(q);
     t->elapsed_us = query_get_int(q);
@@ -47,17 +45,15 @@ int store_total(store *s, store_totals *totals, shear_error *err) {
     *totals = (store_totals){0};
     CLEANUP(query_end) query q = query_on(s, SQL_TOTALS);
     const int code = query_step(&q, &row, err);
-    if (row) {
+    if (row)
         read_totals(&q, totals);
-    }
     return code;
 }
 
 /* The oldest finished jobs, at most `n`. *gone is added to. */
 static int retire_some(store *s, int64_t before_ms, int64_t n, int64_t *gone, shear_error *err) {
-    if (n <= 0) {
+    if (n <= 0)
         return SHEAR_OK;
-    }
     query q = query_on(s, SQL_RETIRE);
     query_int(&q, before_ms);
     query_int(&q, n);
@@ -70,16 +66,13 @@ static int retire(store *s, const store_retention *rule, int64_t *gone, shear_er
     store_counts counts;
     int64_t finished = 0;
     int code = retire_some(s, rule->finished_before_ms, rule->batch, gone, err);
-    if (code != SHEAR_OK || rule->keep < 0) {
+    if (code != SHEAR_OK || rule->keep < 0)
         return code;
-    }
     code = store_count(s, &counts, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    for (enum store_state state = STORE_DONE; state < STORE_N_STATES; state++) {
+    for (enum store_state state = STORE_DONE; state < STORE_N_STATES; state++)
         finished += counts.jobs[state];
-    }
     const int64_t excess = finished - rule->keep;
     const int64_t left = rule->batch - *gone;
     return retire_some(s, INT64_MAX, excess < left ? excess : left, gone, err);

@@ -13,9 +13,8 @@ static bool in_transaction(const store *s) {
 }
 
 static void roll_back(store *s) {
-    if (in_transaction(s)) {
+    if (in_transaction(s))
         run(s, SQL_ROLLBACK, NULL);
-    }
 }
 
 /* SQLite rolls a whole transaction back after some errors, even those of a query between two
@@ -35,17 +34,15 @@ static int fail_lost(const store *s, shear_error *err) {
 }
 
 int operation_begin(store *s, shear_error *err) {
-    if (!s->in_group) {
+    if (!s->in_group)
         return run(s, SQL_BEGIN, err);
-    }
     return is_lost(s) ? fail_lost(s, err) : run(s, SQL_SAVEPOINT, err);
 }
 
 static int commit(store *s, shear_error *err) {
     const int code = run(s, SQL_COMMIT, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         roll_back(s);
-    }
     return code;
 }
 
@@ -63,13 +60,11 @@ int operation_end(store *s, int code, shear_error *err) {
         roll_back(s);
         return code;
     }
-    if (!s->in_group) {
+    if (!s->in_group)
         return commit(s, err);
-    }
     code = code != SHEAR_OK ? code : run(s, SQL_RELEASE, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         undo_in_group(s, code);
-    }
     return code;
 }
 

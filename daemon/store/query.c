@@ -22,9 +22,8 @@ query query_once(store *s, const char *sql, const char *doing) {
 }
 
 void query_int(query *q, int64_t value) {
-    if (q->rc == SQLITE_OK) {
+    if (q->rc == SQLITE_OK)
         q->rc = sqlite3_bind_int64(q->stmt, ++q->bound, value);
-    }
 }
 
 void query_real(query *q, double value, bool null) {
@@ -52,14 +51,12 @@ int query_step(query *q, bool *row, shear_error *err) {
     assert(q->stmt == NULL || q->bound == sqlite3_bind_parameter_count(q->stmt) ||
            q->rc != SQLITE_OK);
     int rc = q->rc;
-    if (rc == SQLITE_OK) {
+    if (rc == SQLITE_OK)
         rc = sqlite3_step(q->stmt);
-    }
     *row = rc == SQLITE_ROW;
     q->column = 0;
-    if (rc == SQLITE_ROW || rc == SQLITE_DONE) {
+    if (rc == SQLITE_ROW || rc == SQLITE_DONE)
         return SHEAR_OK;
-    }
     const int code = database_fail(q->s->db, q->s->path, rc, q->doing, err);
     /* Once the database is ours, nobody else can hold a lock, unless the file system does not
      * keep them. */
@@ -151,18 +148,16 @@ static int check_text(const text_rule *rule, shear_error *err) {
         return shear_fail(err, STORE_BAD_TEXT, "shorten it", "the %s has more than %zu bytes",
                           rule->what, rule->max);
     }
-    if (length == 0) {
+    if (length == 0)
         return shear_fail(err, STORE_BAD_TEXT, NULL, "the %s is empty", rule->what);
-    }
     return SHEAR_OK;
 }
 
 int query_check_texts(const text_rule *rules, size_t n, shear_error *err) {
     for (size_t i = 0; i < n; i++) {
         const int code = check_text(&rules[i], err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }

@@ -14,27 +14,23 @@ static int run_timed(store *s, enum sql which, int64_t id, int64_t value, shear_
 
 static int start(store *s, int64_t id, int64_t now_ms, shear_error *err) {
     int code = run_timed(s, SQL_START, id, now_ms, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = run_timed(s, SQL_ATTEMPT_OPEN, id, now_ms, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return run_timed(s, SQL_ATTEMPT_PRUNE, id, STORE_ATTEMPTS_KEPT, err);
 }
 
 static int next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
     int64_t id = 0;
     int code = query_run_id(s, SQL_WAKE, now_ms, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     query q = query_on(s, SQL_NEXT);
     code = query_number(&q, 0, &id, err);
-    if (code != SHEAR_OK || id == 0) {
+    if (code != SHEAR_OK || id == 0)
         return code;
-    }
     code = start(s, id, now_ms, err);
     return code != SHEAR_OK ? code : store_job_get(s, id, job, err);
 }
@@ -42,9 +38,8 @@ static int next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
 int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
     *job = (store_job){0};
     const int code = OPERATION(s, next(s, now_ms, job, err), err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         store_job_deinit(job);
-    }
     return code;
 }
 
@@ -125,20 +120,17 @@ static int fail(store *s, int64_t id, const store_failure *f, enum store_state *
                 shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = job_close_attempt(s, id, STORE_ATTEMPT_FAILED, f->now_ms, f, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *state = job.cancel_asked      ? STORE_CANCELLED
              : f->retry_at_ms >= 0 ? STORE_WAITING
                                    : STORE_FAILED;
     code = write_failure(s, id, f, *state, err);
-    if (code != SHEAR_OK || *state != STORE_CANCELLED) {
+    if (code != SHEAR_OK || *state != STORE_CANCELLED)
         return code;
-    }
     return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
 }
 
@@ -152,9 +144,8 @@ int store_fail(store *s, int64_t id, const store_failure *failure, enum store_st
                shear_error *err) {
     *state = STORE_QUEUED;
     const int code = check_failure(failure, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return keep_state(OPERATION(s, fail(s, id, failure, state, err), err), state);
 }
 
@@ -166,9 +157,8 @@ int store_release(store *s, int64_t id, int64_t now_ms, enum store_state *state,
 static int cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     const int code = job_row_get(s, id, &job, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     switch (job.state) {
     case STORE_QUEUED:
     case STORE_WAITING:

@@ -25,9 +25,8 @@ static int find_counted(store *s, int64_t job, counted *c, shear_error *err) {
     CLEANUP(query_end) query q = query_on(s, SQL_CONTRIBUTION_OF);
     query_int(&q, job);
     const int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (!row) {
         return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
                           "job %" PRId64 " was counted, and has no contribution", job);
@@ -49,17 +48,14 @@ static int subtract(store *s, const counted *c, char **packed, shear_error *err)
     CLEANUP(shear_field_sums_release) shear_field_sums *field = NULL;
     CLEANUP(shear_field_sums_release) shear_field_sums *one = NULL;
     int code = sums_parse_packed(&field, c->field_packed, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = sums_parse_packed(&one, c->packed, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = field_row_top(s, c->field, &top, NULL, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_field_sums_subtract(field, one);
     shear_field_sums_set_top(field, top);
     return sums_format_packed(field, packed, err);
@@ -67,16 +63,13 @@ static int subtract(store *s, const counted *c, char **packed, shear_error *err)
 
 static int leave_field(store *s, const counted *c, shear_error *err) {
     CLEANUP(release_free) char *packed = NULL;
-    if (c->jobs == 0) {
+    if (c->jobs == 0)
         return SHEAR_OK;
-    }
-    if (c->jobs == 1) {
+    if (c->jobs == 1)
         return query_run_id(s, SQL_FIELD_DROP, c->field, err);
-    }
     const int code = subtract(s, c, &packed, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     query q = query_on(s, SQL_FIELD_LEAVE);
     query_int(&q, c->field);
     query_text(&q, packed);
@@ -104,13 +97,11 @@ static int check_counted(const store_job *job, shear_error *err) {
 static int retract_counted(store *s, int64_t id, shear_error *err) {
     CLEANUP(counted_deinit) counted c = {0};
     int code = find_counted(s, id, &c, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = query_run_id(s, SQL_CONTRIBUTION_DROP, c.id, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = leave_field(s, &c, err);
     return code != SHEAR_OK ? code : query_run_id(s, SQL_JOB_RETRACT, id, err);
 }
@@ -118,9 +109,8 @@ static int retract_counted(store *s, int64_t id, shear_error *err) {
 static int retract(store *s, int64_t id, shear_error *err) {
     CLEANUP(store_job_deinit) store_job job = {0};
     int code = store_job_get(s, id, &job, err);
-    if (code != SHEAR_OK || job.state == STORE_RETRACTED) {
+    if (code != SHEAR_OK || job.state == STORE_RETRACTED)
         return code;
-    }
     code = check_counted(&job, err);
     return code != SHEAR_OK ? code : retract_counted(s, id, err);
 }
@@ -138,9 +128,8 @@ int store_next_leftover(store *s, int64_t after, int64_t *id, char **path, shear
     CLEANUP(query_end) query q = query_on(s, SQL_LEFTOVER);
     query_int(&q, after);
     int code = query_step(&q, &row, err);
-    if (!row) {
+    if (!row)
         return code;
-    }
     const int64_t found = query_get_int(&q);
     *path = query_get_text(&q);
     code = query_got(&q, err);

@@ -324,9 +324,8 @@ const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_
 static int take_step(sqlite3 *db, const char *path, schema_step step, shear_error *err) {
     for (const char *const *sql = step; *sql != NULL; sql++) {
         const int code = database_exec(db, path, *sql, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }

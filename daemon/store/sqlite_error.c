@@ -33,9 +33,8 @@ static const meaning meanings[] = {
 static const meaning *meaning_of(int rc) {
     static const meaning bug = {SQLITE_ERROR, SHEAR_E_INTERNAL, "this is a bug: please report it"};
     for (size_t i = 0; i < sizeof meanings / sizeof meanings[0]; i++) {
-        if (meanings[i].result == (rc & 0xff)) {
+        if (meanings[i].result == (rc & 0xff))
             return &meanings[i];
-        }
     }
     return &bug;
 }
@@ -65,9 +64,8 @@ int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shea
     const meaning *said = meaning_of(primary_of(rc));
     const int system_errno = db != NULL && said->code == SHEAR_E_IO ? sqlite3_system_errno(db) : 0;
     const meaning *m = when_full(said, system_errno);
-    if (m->code == STORE_LOCKED) {
+    if (m->code == STORE_LOCKED)
         return lock_fail(path, err);
-    }
     /* What was being done comes last: it may be a long statement, which the message's end cuts off.
      */
     return shear_fail(err, m->code, m->advice, "%s: %s%s%s (SQLite error %d) while doing: %s", path,

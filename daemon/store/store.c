@@ -37,9 +37,8 @@ static int bring_up_to_date(store *s, int version, shear_error *err) {
     if (version < SCHEMA_VERSION) {
         const int from = version < 0 ? 0 : version;
         const int code = schema_migrate(s->db, s->path, schema_steps, from, SCHEMA_VERSION, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return database_exec(s->db, s->path, "COMMIT", err);
 }
@@ -48,9 +47,8 @@ static int read_identity(store *s, shear_error *err) {
     bool row = false;
     CLEANUP(query_end) query q = query_on(s, SQL_IDENTITY);
     const int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const char *text = row ? query_peek_text(&q) : NULL;
     if (text == NULL || strlen(text) != sizeof s->identity - 1) {
         return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
@@ -67,13 +65,11 @@ static int requeue_running(store *s, int64_t now_ms, shear_error *err) {
         enum store_state state = STORE_QUEUED;
         query q = query_on(s, SQL_RUNNING);
         int code = query_number(&q, 0, &id, err);
-        if (code != SHEAR_OK || id == 0) {
+        if (code != SHEAR_OK || id == 0)
             return code;
-        }
         code = job_put_back(s, id, STORE_ATTEMPT_INTERRUPTED, now_ms, &state, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
         assert(state == STORE_QUEUED || state == STORE_CANCELLED);
         s->opening.requeued += state == STORE_QUEUED;
         s->opening.cancelled += state == STORE_CANCELLED;
@@ -87,21 +83,17 @@ static int recover(store *s, int64_t now_ms, shear_error *err) {
 static int open_database(store *s, const store_options *options, int64_t now_ms, shear_error *err) {
     int version = 0;
     int code = lock_acquire(&s->lock, s->path, options->busy_ms, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = database_connect(&s->db, s->path, options, &version, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = bring_up_to_date(s, version, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = database_use_wal(s->db, s->path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = read_identity(s, err);
     return code != SHEAR_OK ? code : recover(s, now_ms, err);
 }
@@ -111,34 +103,28 @@ int store_open(store **out, const char *path, const store_options *options, int6
     static const store_options plain = {0};
     *out = NULL;
     CLEANUP(close_failed) store *s = calloc(1, sizeof *s);
-    if (s == NULL) {
+    if (s == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the store");
-    }
     s->lock = -1;
     int code = set_path(s, path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = open_database(s, options != NULL ? options : &plain, now_ms, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     *out = CLEANUP_TAKE(s);
     return SHEAR_OK;
 }
 
 void store_close(store *s) {
-    if (s == NULL) {
+    if (s == NULL)
         return;
-    }
-    for (int i = 0; i < SQL_N; i++) {
+    for (int i = 0; i < SQL_N; i++)
         sqlite3_finalize(s->statements[i]);
-    }
     /* An open transaction is rolled back; the log is brought into the database and removed. */
     sqlite3_close(s->db);
-    if (s->lock >= 0) {
+    if (s->lock >= 0)
         close(s->lock);
-    }
     free(s);
 }
 

@@ -16,9 +16,8 @@ static int check_spec(const store_spec *p, shear_error *err) {
         {"dropped file's name", p->dropped, STORE_PATH_MAX, true},
     };
     const int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (p->groups != NULL && strlen(p->groups) > STORE_GROUPS_MAX) { /* may be empty */
         return shear_fail(err, STORE_BAD_TEXT, NULL, "the list of groups has more than %d bytes",
                           STORE_GROUPS_MAX);
@@ -44,14 +43,12 @@ static query query_spec(store *s, enum sql which, const store_spec *p) {
 static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err) {
     bool row = false;
     *id = 0;
-    if (p->key == NULL) {
+    if (p->key == NULL)
         return SHEAR_OK;
-    }
     CLEANUP(query_end) query q = query_spec(s, SQL_KEY_FIND, p);
     const int code = query_step(&q, &row, err);
-    if (!row) {
+    if (!row)
         return code;
-    }
     const int64_t found = query_get_int(&q);
     if (query_get_int(&q) == 0) {
         return shear_fail(err, STORE_KEY_REUSED, "use a new key for a new request",
@@ -70,9 +67,8 @@ static int keep_settings(store *s, const store_spec *p, shear_error *err) {
     const int code = query_step(&find, &row, err);
     const bool same = row && query_get_int(&find) != 0;
     query_end(&find);
-    if (code != SHEAR_OK || same) {
+    if (code != SHEAR_OK || same)
         return code;
-    }
     if (row) {
         return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
                           "the settings digest %s already stands for other settings",
@@ -87,16 +83,14 @@ static int keep_settings(store *s, const store_spec *p, shear_error *err) {
 /* The number of these groups; 0 where they are not known. */
 static int keep_credentials(store *s, const store_spec *p, int64_t *number, shear_error *err) {
     *number = 0;
-    if (p->groups == NULL) {
+    if (p->groups == NULL)
         return SHEAR_OK;
-    }
     query find = query_on(s, SQL_CREDENTIALS_FIND);
     query_int(&find, p->gid);
     query_text(&find, p->groups);
     int code = query_number(&find, 0, number, err);
-    if (code != SHEAR_OK || *number != 0) {
+    if (code != SHEAR_OK || *number != 0)
         return code;
-    }
     query add = query_on(s, SQL_CREDENTIALS_ADD);
     query_int(&add, p->gid);
     query_text(&add, p->groups);
@@ -108,9 +102,8 @@ static int keep_credentials(store *s, const store_spec *p, int64_t *number, shea
 static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err) {
     int64_t credentials = 0;
     int code = keep_credentials(s, p, &credentials, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     query q = query_spec(s, SQL_JOB_ADD, p);
     query_int(&q, p->created_ms);
     query_int(&q, credentials);
@@ -124,13 +117,11 @@ static int submit(store *s, const store_spec *p, int64_t max_unfinished, int64_t
                   shear_error *err) {
     int code = find_key(s, p, id, err);
     *known = *id != 0;
-    if (code != SHEAR_OK || *known) {
+    if (code != SHEAR_OK || *known)
         return code;
-    }
     code = job_check_capacity(s, max_unfinished, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = keep_settings(s, p, err);
     return code != SHEAR_OK ? code : add_job(s, p, id, err);
 }
@@ -140,9 +131,8 @@ int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64
     *id = 0;
     *known = false;
     int code = check_spec(spec, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = OPERATION(s, submit(s, spec, max_unfinished, id, known, err), err);
     if (code != SHEAR_OK) {
         *id = 0;
@@ -161,9 +151,8 @@ static int find_dropped(store *s, uint32_t owner, const char *key, const char *d
     *id = row ? query_get_int(&find) : 0;
     const bool named = row && query_get_int(&find) != 0;
     query_end(&find);
-    if (code != SHEAR_OK || *id == 0 || named) {
+    if (code != SHEAR_OK || *id == 0 || named)
         return code;
-    }
     query name = query_on(s, SQL_DROPPED_SET); /* a job of an older version's */
     query_int(&name, *id);
     query_text(&name, dropped);
@@ -175,9 +164,8 @@ int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dr
     const text_rule rule = {"dropped file's name", dropped, STORE_PATH_MAX, false};
     *id = 0;
     int code = query_check_texts(&rule, 1, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = OPERATION(s, find_dropped(s, owner, key, dropped, id, err), err);
     *id = code == SHEAR_OK ? *id : 0;
     return code;
@@ -197,21 +185,18 @@ int store_set_disposal(store *s, int64_t id, const char *place, const char *fing
     const text_rule rules[] = {{"place of a dropped file", place, STORE_PATH_MAX, false},
                                {"mark of a dropped file", fingerprint, STORE_PATH_MAX, true}};
     int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return OPERATION(s, set_disposal(s, id, place, fingerprint, err), err);
 }
 
 static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     int code = job_row_get(s, id, &job, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (job.state != STORE_FAILED && job.state != STORE_CANCELLED) {
+    if (job.state != STORE_FAILED && job.state != STORE_CANCELLED)
         return job_wrong_state(&job, "failed or cancelled", err);
-    }
     code = job_check_capacity(s, max_unfinished, err);
     return code != SHEAR_OK ? code : query_run_id(s, SQL_JOB_RETRY, id, err);
 }

@@ -11,9 +11,8 @@ int sums_parse_given(shear_field_sums **sums, const char *text, shear_error *err
     const text_rule rule = {"sums", text, STORE_SUMS_MAX, false};
     *sums = NULL;
     int code = query_check_texts(&rule, 1, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_field_sums_parse(sums, text, err);
     return code == SHEAR_E_FORMAT
                ? shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
@@ -52,9 +51,8 @@ int sums_pack(const char *text, char **packed, shear_error *err) {
     const size_t size = strlen(text) + 1;
     const bool has_marks = strchr(text, 'z') != NULL;
     *packed = malloc(MARK + size);
-    if (*packed == NULL) {
+    if (*packed == NULL)
         return no_memory(err);
-    }
     memcpy(*packed, has_marks ? plain : counted, MARK);
     if (has_marks) {
         memcpy(*packed + MARK, text, size);
@@ -68,9 +66,8 @@ int sums_pack(const char *text, char **packed, shear_error *err) {
 static size_t read_run(const char **at) {
     char *end = NULL;
     const unsigned long zeros = strtoul(*at + 1, &end, 10);
-    if (*end != '.' || zeros > STORE_SUMS_MAX) {
+    if (*end != '.' || zeros > STORE_SUMS_MAX)
         return 0;
-    }
     *at = end + 1;
     return zeros;
 }
@@ -79,9 +76,8 @@ static bool unpack(const char *packed, char *out, size_t capacity) {
     while (*packed != '\0') {
         const bool run = *packed == 'z';
         const size_t n = run ? read_run(&packed) : 1;
-        if (n == 0 || n > capacity) {
+        if (n == 0 || n > capacity)
             return false;
-        }
         memset(out, run ? '0' : *packed, n);
         packed += run ? 0 : 1;
         out += n;
@@ -96,9 +92,8 @@ int sums_unpack(const char *packed, char **text, shear_error *err) {
     const bool is_counted = strncmp(packed, counted, MARK) == 0;
     char *out = is_plain ? strdup(packed + MARK) : malloc(STORE_SUMS_MAX + 1);
     *text = NULL;
-    if (out == NULL) {
+    if (out == NULL)
         return no_memory(err);
-    }
     if (!is_plain && (!is_counted || !unpack(packed + MARK, out, STORE_SUMS_MAX))) {
         free(out);
         return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",

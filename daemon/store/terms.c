@@ -17,9 +17,8 @@ CLEANUP_DEFINE(shear_symmetry, shear_symmetry_free)
 int terms_check(const unsigned char *bytes, size_t size, shear_error *err) {
     CLEANUP(shear_symmetry_release) shear_symmetry *terms = NULL;
     int code = shear_symmetry_new(&terms, err);
-    if (code != SHEAR_OK || bytes == NULL) {
+    if (code != SHEAR_OK || bytes == NULL)
         return code;
-    }
     code = shear_symmetry_add_bytes(terms, bytes, size, err);
     return code != SHEAR_E_FORMAT
                ? code
@@ -33,9 +32,8 @@ static int cut(store *s, int64_t job, int64_t from_block, int64_t *end, shear_er
     query_int(&drop, job);
     query_int(&drop, from_block);
     const int code = query_run(&drop, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     query q = query_on(s, SQL_CHECKPOINT_TERMS_END);
     query_int(&q, job);
     return query_number(&q, 0, end, err);
@@ -45,18 +43,16 @@ int terms_add_checkpoint(store *s, int64_t job, const store_progress *p, shear_e
     int64_t end = 0;
     OPERATION_ASSERT_OPEN(s);
     const int code = cut(s, job, p->from_block, &end, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (end != p->from_block) {
         return shear_fail(err, STORE_WRONG_STATE, NULL,
                           "job %" PRId64 ": terms up to block %" PRId64
                           " are kept, and those that follow begin at %" PRId64,
                           job, end, p->from_block);
     }
-    if (p->next_block == p->from_block) {
+    if (p->next_block == p->from_block)
         return SHEAR_OK;
-    }
     query q = query_on(s, SQL_CHECKPOINT_TERMS_ADD);
     query_int(&q, job);
     query_int(&q, p->next_block);
@@ -103,13 +99,11 @@ static int add_rows(query *q, shear_symmetry *terms, shear_error *err) {
     for (;;) {
         bool row = false;
         int code = query_step(q, &row, err);
-        if (!row) {
+        if (!row)
             return code;
-        }
         code = add_part(q, terms, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
 }
 
@@ -118,9 +112,8 @@ static int read_all(query *q, shear_symmetry *terms, shear_error *err) {
     const size_t before = shear_symmetry_count(terms);
     const int code = add_rows(q, terms, err);
     query_end(q);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         shear_symmetry_truncate(terms, before);
-    }
     return code;
 }
 
@@ -135,9 +128,8 @@ int store_field_terms(store *s, const char *name, const char *settings_digest,
                       shear_symmetry *terms, shear_error *err) {
     int64_t field = 0;
     const int code = field_row_find(s, name, settings_digest, &field, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     query q = query_on(s, SQL_FIELD_TERMS);
     query_int(&q, field);
     return read_all(&q, terms, err);

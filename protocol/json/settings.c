@@ -25,8 +25,7 @@ json_t *json_settings(const shear_settings *s) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     json_t *object = json_object();
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         json_text_set(&object, table[i].name, value_of(s, &table[i]));
-    }
     return object;
 }

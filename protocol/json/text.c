@@ -10,9 +10,8 @@
 #include <string.h>
 
 json_t *json_text_string(const char *text) {
-    if (text == NULL) {
+    if (text == NULL)
         return json_null();
-    }
     buffer clean = {0};
     while (*text != '\0') {
         uint32_t point = 0;
@@ -42,9 +41,8 @@ void json_text_append(json_t **array, json_t *item) {
 
 json_t *json_text_strings(const char *const *texts, size_t n) {
     json_t *array = json_array();
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         json_text_append(&array, json_text_string(texts[i]));
-    }
     return array;
 }
 
@@ -58,18 +56,16 @@ json_t *json_text_index(int64_t i) {
 
 json_t *json_text_counts(const int64_t *counts, int n, const char *(*name_of)(int)) {
     json_t *object = json_object();
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         json_text_set(&object, name_of(i), json_integer(counts[i]));
-    }
     return object;
 }
 
 json_t *json_text_object(const json_pair *pairs) {
     json_t *object = json_object();
     for (; pairs->key != NULL; pairs++) {
-        if (pairs->key[0] != '\0') {
+        if (pairs->key[0] != '\0')
             json_text_set(&object, pairs->key, pairs->value);
-        }
     }
     return object;
 }
@@ -84,9 +80,8 @@ int json_text_finish(char **text, json_t *object, shear_error *err) {
 int json_text_load(json_t **object, const char *text, const char *what, shear_error *err) {
     tree_error why;
     *object = tree_load(text, strlen(text), 0, &why);
-    if (*object == NULL && why.fault == TREE_NO_MEMORY) {
+    if (*object == NULL && why.fault == TREE_NO_MEMORY)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %s", what);
-    }
     if (!json_is_object(*object)) {
         json_decref(*object);
         *object = NULL;

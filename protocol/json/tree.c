@@ -34,9 +34,8 @@ static _Thread_local reserve *active;
 static void *from_reserve(reserve *r, size_t n) {
     const size_t unit = alignof(max_align_t);
     r->spent = true;
-    if (n > (size_t)(r->limit - r->free)) {
+    if (n > (size_t)(r->limit - r->free))
         return NULL;
-    }
     void *p = r->free;
     const size_t rounded = (n + unit - 1) / unit * unit;
     r->free = rounded > (size_t)(r->limit - r->free) ? r->limit : r->free + rounded;
@@ -50,9 +49,8 @@ static void *allocate(size_t n) {
 
 static void release(void *p) {
     const uintptr_t at = (uintptr_t)p;
-    if (active != NULL && at >= (uintptr_t)active->bytes && at < (uintptr_t)active->limit) {
+    if (active != NULL && at >= (uintptr_t)active->bytes && at < (uintptr_t)active->limit)
         return;
-    }
     free(p);
 }
 
@@ -64,9 +62,8 @@ __attribute__((constructor)) static void install(void) {
 /* One byte at a time, so that nothing is read after memory ran out. */
 static size_t feed(void *bytes, size_t size, void *data) {
     reserve *r = data;
-    if (r->spent || r->next == r->end || size == 0) {
+    if (r->spent || r->next == r->end || size == 0)
         return 0;
-    }
     *(char *)bytes = *r->next++;
     return 1;
 }
@@ -81,14 +78,12 @@ static void explain(tree_error *why, const json_error_t *error) {
 json_t *tree_load(const char *text, size_t n, size_t flags, tree_error *why) {
     enum { SLACK = 256 };
     *why = (tree_error){TREE_NO_MEMORY, "out of memory"};
-    if (n > SIZE_MAX / 4) {
+    if (n > SIZE_MAX / 4)
         return NULL;
-    }
     const size_t spare = 2 * n + SLACK;
     reserve *r = malloc(sizeof *r + spare);
-    if (r == NULL) {
+    if (r == NULL)
         return NULL;
-    }
     *r = (reserve){.next = text, .end = text + n, .free = r->bytes, .limit = r->bytes + spare};
     assert(active == NULL); /* a load within a load would take the other's reserve */
     active = r;

@@ -21,9 +21,8 @@ const sheard_rpc_code_info *sheard_rpc_code_get(int code) {
 
 int sheard_rpc_code_find(const char *name) {
     for (int i = 0; i < SHEARD_N_RPC_CODES; i++) {
-        if (strcmp(table[i].name, name) == 0) {
+        if (strcmp(table[i].name, name) == 0)
             return i;
-        }
     }
     return SHEARD_RPC_UNKNOWN;
 }

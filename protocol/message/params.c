@@ -73,9 +73,8 @@ static int check_source(const void *message, sheard_rpc_error *error) {
     list_images(s, images);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         any = any || images[i]->path != NULL;
-        if (missing == NULL && images[i]->path == NULL && i != SHEAR_PART_CATALOG) {
+        if (missing == NULL && images[i]->path == NULL && i != SHEAR_PART_CATALOG)
             missing = shear_part_name(i);
-        }
     }
     if (s->path != NULL) {
         return any ? bad_source(error, SHEARD_RPC_BAD_PARAMETER, "path",
@@ -94,9 +93,8 @@ shear_input sheard_source_input(const sheard_msg_source *s) {
     shear_input input = shear_input_of_file(s->path);
     const sheard_msg_image *images[SHEAR_N_PARTS];
     list_images(s, images);
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
         input.parts[i] = (shear_input_part){images[i]->path, images[i]->extname, images[i]->hdu};
-    }
     return input;
 }
 

@@ -11,9 +11,8 @@
 
 static const msg_member *find_member(const msg_table *table, const char *name) {
     for (size_t i = 0; i < table->n; i++) {
-        if (strcmp(table->members[i].name, name) == 0) {
+        if (strcmp(table->members[i].name, name) == 0)
             return &table->members[i];
-        }
     }
     return NULL;
 }
@@ -21,12 +20,10 @@ static const msg_member *find_member(const msg_table *table, const char *name) {
 static int refuse_unknown(msg_reader *r, const msg_table *table, const char *name) {
     char known[300] = "";
     reader_enter(r, name);
-    if (table->n == 0) {
+    if (table->n == 0)
         return reader_fail(r, SHEARD_RPC_UNKNOWN_PARAMETER, "there are no parameters here");
-    }
-    for (size_t i = 0; i < table->n; i++) {
+    for (size_t i = 0; i < table->n; i++)
         text_append_item(known, sizeof known, table->members[i].name);
-    }
     return reader_fail(r, SHEARD_RPC_UNKNOWN_PARAMETER, "no such parameter; there are: %s", known);
 }
 
@@ -35,9 +32,8 @@ static int check_names(msg_reader *r, const msg_table *table, const json_t *obje
     json_t *o = (json_t *)object;
     for (void *i = json_object_iter(o); i != NULL; i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
-        if (find_member(table, name) == NULL) {
+        if (find_member(table, name) == NULL)
             return refuse_unknown(r, table, name);
-        }
     }
     return SHEARD_RPC_OK;
 }
@@ -70,9 +66,8 @@ static int read_states(msg_reader *r, unsigned *set, const msg_member *m, const 
         const json_t *item = json_array_get(value, i);
         const int index = reader_name_index(m->names, item);
         const size_t mark = reader_enter_item(r, i);
-        if (index < 0) {
+        if (index < 0)
             return reader_wrong_name(r, m->names, item);
-        }
         found |= 1u << index;
         reader_leave(r, mark);
     }
@@ -102,34 +97,30 @@ static int read_items(msg_reader *r, void *message, const msg_member *m, const j
     const size_t n = json_array_size(value);
     const size_t size = msg_item_size(m);
     char *list = n > 0 ? calloc(n, size) : NULL;
-    if (n > 0 && list == NULL) {
+    if (n > 0 && list == NULL)
         return reader_no_memory(r);
-    }
     msg_put_pointer(message, m->offset, list);
     msg_put_count(message, m, n);
     for (size_t i = 0; i < n; i++) {
         const size_t mark = reader_enter_item(r, i);
         const int code = read_item(r, list + i * size, m, json_array_get(value, i));
-        if (code != SHEARD_RPC_OK) {
+        if (code != SHEARD_RPC_OK)
             return code;
-        }
         reader_leave(r, mark);
     }
     return SHEARD_RPC_OK;
 }
 
 static int read_list(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
-    if (!json_is_array(value)) {
+    if (!json_is_array(value))
         return reader_wrong_type(r, "an array", value);
-    }
     const size_t n = json_array_size(value);
     if (reader_is_strict(r) && m->max > 0 && n > (size_t)m->max) {
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER,
                            "expected at most %" PRId64 " elements, not %zu", m->max, n);
     }
-    if (reader_is_strict(r) && (m->flags & MSG_REQUIRED) != 0 && n == 0) {
+    if (reader_is_strict(r) && (m->flags & MSG_REQUIRED) != 0 && n == 0)
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER, "expected at least one element");
-    }
     return m->type == MSG_STATES ? read_states(r, (void *)((char *)message + m->offset), m, value)
                                  : read_items(r, message, m, value);
 }
@@ -171,9 +162,8 @@ static int read_member(msg_reader *r, void *message, const msg_member *m, const 
 }
 
 static int read_object(msg_reader *r, void *message, const msg_table *table, const json_t *object) {
-    if (object != NULL && !json_is_object(object)) {
+    if (object != NULL && !json_is_object(object))
         return reader_wrong_type(r, "an object", object);
-    }
     int code =
         reader_is_strict(r) && object != NULL ? check_names(r, table, object) : SHEARD_RPC_OK;
     for (size_t i = 0; code == SHEARD_RPC_OK && i < table->n; i++) {
@@ -193,11 +183,9 @@ int msg_read(void *message, const msg_table *table, const json_t *object, unsign
     assert((mode & MSG_SPARSE) == 0);
     msg_init(message, table);
     int code = read_object(&r, message, table, object);
-    if (code == SHEARD_RPC_OK && reader_is_strict(&r) && table->check != NULL) {
+    if (code == SHEARD_RPC_OK && reader_is_strict(&r) && table->check != NULL)
         code = table->check(message, error);
-    }
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         msg_deinit(message, table);
-    }
     return code;
 }

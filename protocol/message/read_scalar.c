@@ -8,18 +8,16 @@
 #include <string.h>
 
 static int read_bool(const msg_reader *r, bool *at, const json_t *value) {
-    if (!json_is_boolean(value)) {
+    if (!json_is_boolean(value))
         return reader_wrong_type(r, "true or false", value);
-    }
     *at = json_is_true(value);
     return SHEARD_RPC_OK;
 }
 
 static int read_integer(const msg_reader *r, int64_t *at, const msg_member *m,
                         const json_t *value) {
-    if (!json_is_integer(value)) {
+    if (!json_is_integer(value))
         return reader_wrong_type(r, "a whole number", value);
-    }
     const int64_t given = json_integer_value(value);
     if (reader_is_strict(r) && (given < m->min || given > m->max)) {
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER,
@@ -31,9 +29,8 @@ static int read_integer(const msg_reader *r, int64_t *at, const msg_member *m,
 }
 
 static int read_real(const msg_reader *r, double *at, const msg_member *m, const json_t *value) {
-    if (!json_is_number(value)) {
+    if (!json_is_number(value))
         return reader_wrong_type(r, "a number", value);
-    }
     const double given = json_number_value(value);
     if (reader_is_strict(r) && !(given >= (double)m->min && given <= (double)m->max)) {
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER,
@@ -70,9 +67,8 @@ int reader_wrong_name(const msg_reader *r, const char *const *names, const json_
 /* What a newer service may say is -1, "unknown"; what a client says must be known. */
 static int read_name(const msg_reader *r, int *at, const msg_member *m, const json_t *value) {
     *at = reader_name_index(m->names, value);
-    if (*at < 0 && (reader_is_strict(r) || !json_is_string(value))) {
+    if (*at < 0 && (reader_is_strict(r) || !json_is_string(value)))
         return reader_wrong_name(r, m->names, value);
-    }
     return SHEARD_RPC_OK;
 }
 
@@ -101,31 +97,26 @@ int reader_scalar(const msg_reader *r, void *at, const msg_member *m, const json
 
 static bool has_control(const char *text) {
     for (; *text != '\0'; text++) {
-        if ((unsigned char)*text < 0x20 || *text == 0x7F) {
+        if ((unsigned char)*text < 0x20 || *text == 0x7F)
             return true;
-        }
     }
     return false;
 }
 
 static int check_text(const msg_reader *r, const char *text, size_t n, unsigned flags,
                       int64_t longest) {
-    if (strlen(text) != n) {
+    if (strlen(text) != n)
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER, "has a NUL character in it");
-    }
-    if (!reader_is_strict(r)) {
+    if (!reader_is_strict(r))
         return SHEARD_RPC_OK;
-    }
     if (longest > 0 && n > (size_t)longest) {
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER,
                            "expected at most %" PRId64 " bytes, not %zu", longest, n);
     }
-    if ((flags & MSG_PLAIN) != 0 && n == 0) {
+    if ((flags & MSG_PLAIN) != 0 && n == 0)
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER, "must not be empty");
-    }
-    if ((flags & MSG_PLAIN) != 0 && has_control(text)) {
+    if ((flags & MSG_PLAIN) != 0 && has_control(text))
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER, "has a control character in it");
-    }
     if ((flags & MSG_ABSOLUTE) != 0 && text[0] != '/') {
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER,
                            "expected a path from the root (\"/data/...\"), not \"%.80s\"", text);
@@ -135,9 +126,8 @@ static int check_text(const msg_reader *r, const char *text, size_t n, unsigned 
 
 int reader_string(const msg_reader *r, const char **at, unsigned flags, int64_t longest,
                   const json_t *value) {
-    if (!json_is_string(value)) {
+    if (!json_is_string(value))
         return reader_wrong_type(r, "a string", value);
-    }
     const char *text = json_string_value(value);
     const size_t n = json_string_length(value);
     const int code = check_text(r, text, n, flags, longest);

@@ -52,9 +52,8 @@ int reader_no_memory(const msg_reader *r) {
 
 int reader_copy(const msg_reader *r, const char **at, const char *bytes, size_t n) {
     char *copy = malloc(n + 1);
-    if (copy == NULL) {
+    if (copy == NULL)
         return reader_no_memory(r);
-    }
     memcpy(copy, bytes, n);
     copy[n] = '\0';
     *at = copy;

@@ -78,23 +78,19 @@ static int read_setting(msg_reader *r, given_settings *g, const char *name, cons
     const shear_setting_def *def = shear_settings_find(name);
     char text[SETTINGS_TEXT_VALUE];
     shear_error err = {0};
-    if (def == NULL && !reader_is_strict(r)) {
+    if (def == NULL && !reader_is_strict(r))
         return SHEARD_RPC_OK;
-    }
     const size_t mark = reader_enter(r, name);
-    if (def == NULL) {
+    if (def == NULL)
         return reader_fail(r, SHEARD_RPC_BAD_SETTING, "there is no such setting");
-    }
-    if (g->given[def - table]) {
+    if (g->given[def - table])
         return reader_fail(r, SHEARD_RPC_BAD_SETTING, "is given twice ('-' and '_' are the same)");
-    }
     if (!value_text(def, value, text, sizeof text)) {
         return reader_fail(r, SHEARD_RPC_BAD_SETTING, "expected %s, not %s", expected(def),
                            json_text_kind(value));
     }
-    if (shear_settings_give(&g->values, g->given, name, text, &err) != SHEAR_OK) {
+    if (shear_settings_give(&g->values, g->given, name, text, &err) != SHEAR_OK)
         return reader_fail(r, SHEARD_RPC_BAD_SETTING, "%s", err.message);
-    }
     reader_leave(r, mark);
     return SHEARD_RPC_OK;
 }
@@ -114,19 +110,16 @@ int reader_settings(msg_reader *r, const char **at, const json_t *value) {
     const shear_setting_def *table = shear_settings_table(&n);
     given_settings g = {.given = {false}};
     char text[SHEARD_MSG_SETTINGS_SIZE] = "";
-    if (!json_is_object(value)) {
+    if (!json_is_object(value))
         return reader_wrong_type(r, "an object", value);
-    }
     assert(n <= MOST_SETTINGS);
     shear_settings_init(&g.values);
     const int code = read_settings(r, &g, value);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
     for (size_t i = 0; i < n; i++) {
-        if (g.given[i] && !settings_text_add(text, sizeof text, &g.values, &table[i])) {
+        if (g.given[i] && !settings_text_add(text, sizeof text, &g.values, &table[i]))
             return reader_fail(r, SHEARD_RPC_BAD_SETTING, "is too long");
-        }
     }
     return text[0] != '\0' ? reader_copy(r, at, text, strlen(text)) : SHEARD_RPC_OK;
 }
@@ -139,9 +132,8 @@ static bool pick_named(json_t *object, json_t *all, const char *text) {
     char *value = NULL;
     while (*text != '\0' && settings_text_next(&text, line, &value, NULL) == SHEAR_OK) {
         const char *name = shear_settings_find(line)->name;
-        if (json_object_set(object, name, json_object_get(all, name)) != 0) {
+        if (json_object_set(object, name, json_object_get(all, name)) != 0)
             return false;
-        }
     }
     return true;
 }

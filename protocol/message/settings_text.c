@@ -9,9 +9,8 @@
 /* -0 and 0 are one value and must be one text. */
 static void drop_sign_of_zero(shear_settings *s, const shear_setting_def *def) {
     double *value = (void *)((char *)s + def->offset);
-    if (def->type == SHEAR_T_DOUBLE && *value == 0.0) {
+    if (def->type == SHEAR_T_DOUBLE && *value == 0.0)
         *value = 0.0;
-    }
 }
 
 bool settings_text_add(char *buf, size_t size, const shear_settings *s,
@@ -26,16 +25,14 @@ bool settings_text_add(char *buf, size_t size, const shear_settings *s,
 int settings_text_next(const char **text, char line[SETTINGS_TEXT_LINE], char **value,
                        shear_error *err) {
     const size_t n = strcspn(*text, "\n");
-    if (n >= SETTINGS_TEXT_LINE) {
+    if (n >= SETTINGS_TEXT_LINE)
         return shear_fail(err, SHEAR_E_SETTING, NULL, "settings have a line of %zu bytes", n);
-    }
     memcpy(line, *text, n);
     line[n] = '\0';
     *text += n + ((*text)[n] == '\n');
     *value = strchr(line, '=');
-    if (*value == NULL) {
+    if (*value == NULL)
         return shear_fail(err, SHEAR_E_SETTING, NULL, "settings: '%s' is not NAME=VALUE", line);
-    }
     *(*value)++ = '\0';
     return SHEAR_OK;
 }
@@ -46,9 +43,8 @@ int settings_text_set(shear_settings *s, const char *text, shear_error *err) {
     int code = SHEAR_OK;
     while (text != NULL && *text != '\0' && code == SHEAR_OK) {
         code = settings_text_next(&text, line, &value, err);
-        if (code == SHEAR_OK) {
+        if (code == SHEAR_OK)
             code = shear_settings_set(s, line, value, err);
-        }
     }
     return code;
 }
@@ -57,9 +53,8 @@ int sheard_settings_write(const shear_settings *s, char *buf, size_t size, shear
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     bool fits = size > 0 && text_set(buf, size, "");
-    for (size_t i = 0; fits && i < n; i++) {
+    for (size_t i = 0; fits && i < n; i++)
         fits = settings_text_add(buf, size, s, &table[i]);
-    }
     return fits ? SHEAR_OK
                 : shear_fail(err, SHEAR_E_SETTING, NULL, "settings do not fit %zu bytes", size);
 }
@@ -74,27 +69,22 @@ static int read_old(shear_settings *s, const char *text, shear_error *err) {
     static const char beneath[] = "preset=zhang2010\n";
     shear_settings_init(s);
     int code = settings_text_set(s, beneath, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = sheard_settings_apply(s, text, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (s->interpolation == SHEAR_INTERP_AUTO) {
+    if (s->interpolation == SHEAR_INTERP_AUTO)
         s->interpolation = SHEAR_INTERP_PAPER;
-    }
-    if (s->filter == SHEAR_FILTER_AUTO) {
+    if (s->filter == SHEAR_FILTER_AUTO)
         s->filter = SHEAR_FILTER_R_GAL;
-    }
     return SHEAR_OK;
 }
 
 int sheard_settings_read(shear_settings *s, const char *text, shear_error *err) {
     static const char first[] = "preset=";
-    if (strncmp(text, first, sizeof first - 1) != 0) {
+    if (strncmp(text, first, sizeof first - 1) != 0)
         return read_old(s, text, err);
-    }
     shear_settings_init(s);
     return sheard_settings_apply(s, text, err);
 }
@@ -103,8 +93,7 @@ int sheard_settings_digest(const shear_settings *s, sheard_digest *hash, char *h
                            shear_error *err) {
     char text[SHEARD_MSG_SETTINGS_SIZE];
     const int code = sheard_settings_write(s, text, sizeof text, err);
-    if (code == SHEAR_OK) {
+    if (code == SHEAR_OK)
         hash(text, strlen(text), hex, size);
-    }
     return code;
 }

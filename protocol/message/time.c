@@ -33,18 +33,16 @@ char *sheard_time_format(int64_t ms, char buf[SHEARD_TIME_SIZE]) {
 static bool read_number(const char **text, int digits, int *value) {
     *value = 0;
     for (int i = 0; i < digits; i++, (*text)++) {
-        if (**text < '0' || **text > '9') {
+        if (**text < '0' || **text > '9')
             return false;
-        }
         *value = *value * 10 + (**text - '0');
     }
     return true;
 }
 
 static bool read_char(const char **text, char a, char b) {
-    if (**text != a && **text != b) {
+    if (**text != a && **text != b)
         return false;
-    }
     (*text)++;
     return true;
 }
@@ -71,22 +69,19 @@ static bool date_is_real(const struct tm *tm) {
 /* ".25" in milliseconds, further digits cut off; nothing there is 0. */
 static bool read_fraction(const char **text, int *ms) {
     *ms = 0;
-    if (**text != '.') {
+    if (**text != '.')
         return true;
-    }
     const char *first = ++*text;
-    for (int unit = 100; **text >= '0' && **text <= '9'; (*text)++, unit /= 10) {
+    for (int unit = 100; **text >= '0' && **text <= '9'; (*text)++, unit /= 10)
         *ms += unit * (**text - '0');
-    }
     return *text > first;
 }
 
 /* "Z" or "+01:30", in seconds. */
 static bool read_offset(const char **text, int *seconds) {
     *seconds = 0;
-    if (read_char(text, 'Z', 'z')) {
+    if (read_char(text, 'Z', 'z'))
         return true;
-    }
     const int sign = **text == '-' ? -1 : 1;
     int hours = 0;
     int minutes = 0;

@@ -69,9 +69,8 @@ static bool is_list(const msg_member *m) {
 
 bool msg_is_absent(const void *message, const msg_member *m) {
     const void *at = (const char *)message + m->offset;
-    if (m->type == MSG_OBJECT) {
+    if (m->type == MSG_OBJECT)
         return (m->flags & MSG_NULLABLE) != 0 && !msg_is_there(at, m->table);
-    }
     const member_value fallback = fallback_of(m);
     return is_list(m) ? msg_count(message, m) == 0 : member_equal(memory_of(m), at, &fallback);
 }
@@ -126,9 +125,8 @@ void msg_deinit(void *message, const msg_table *table) {
 
 const char *msg_name(const char *const *names, int index) {
     for (int i = 0; index >= 0 && names[i] != NULL; i++) {
-        if (i == index) {
+        if (i == index)
             return names[i];
-        }
     }
     return "unknown";
 }

@@ -16,9 +16,8 @@ typedef struct writer {
 
 /* NULL, with the reason kept. A reason that is there already stays. */
 static json_t *fail(writer *w, int code, const char *member) {
-    if (w->failed) {
+    if (w->failed)
         return NULL;
-    }
     w->failed = true;
     if (code == SHEARD_RPC_OUT_OF_MEMORY) {
         sheard_rpc_fail(w->error, code, NULL, "out of memory while writing");
@@ -46,9 +45,8 @@ static json_t *write_text(writer *w, const char *member, const char *text) {
 }
 
 static json_t *write_raw(writer *w, const char *member, const char *text) {
-    if (text == NULL) {
+    if (text == NULL)
         return json_null();
-    }
     tree_error why;
     json_t *value = tree_load(text, strlen(text), 0, &why);
     if (value == NULL) {
@@ -75,9 +73,8 @@ static json_t *write_settings(writer *w, const char *member, const char *text) {
 static json_t *write_states(writer *w, unsigned set, const msg_member *m) {
     json_t *array = json_array();
     for (int i = 0; m->names[i] != NULL; i++) {
-        if ((set & 1u << i) != 0) {
+        if ((set & 1u << i) != 0)
             json_text_append(&array, json_string(m->names[i]));
-        }
     }
     return made(w, array);
 }
@@ -117,9 +114,8 @@ static json_t *write_list(writer *w, const void *message, const msg_member *m) {
     const size_t n = msg_count(message, m);
     json_t *array = json_array();
     assert(list != NULL || n == 0);
-    for (size_t i = 0; array != NULL && i < n; i++) {
+    for (size_t i = 0; array != NULL && i < n; i++)
         json_text_append(&array, write_item(w, list + i * msg_item_size(m), m));
-    }
     return made(w, array);
 }
 
@@ -162,9 +158,8 @@ static json_t *write_object(writer *w, const void *message, const msg_table *tab
     json_t *object = begin(w, message, table);
     for (size_t i = 0; object != NULL && i < table->n; i++) {
         const msg_member *m = &table->members[i];
-        if (m->type == MSG_MERGED || ((w->mode & MSG_SPARSE) != 0 && msg_is_absent(message, m))) {
+        if (m->type == MSG_MERGED || ((w->mode & MSG_SPARSE) != 0 && msg_is_absent(message, m)))
             continue;
-        }
         if (json_object_set_new(object, m->name, write_value(w, message, m)) != 0) {
             json_decref(object);
             return fail(w, SHEARD_RPC_OUT_OF_MEMORY, "");

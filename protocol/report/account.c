@@ -19,18 +19,16 @@ static unsigned choice(const json_t *o, const char *setting) {
     const char *name = json_text_string_at(o, setting);
     const char *const *choices = shear_settings_find(setting)->choices;
     for (unsigned i = 0; name != NULL && choices[i] != NULL; i++) {
-        if (strcmp(choices[i], name) == 0) {
+        if (strcmp(choices[i], name) == 0)
             return i;
-        }
     }
     return 0;
 }
 
 static enum shear_noise_band noise_band_named(const char *name) {
     for (unsigned i = 0; name != NULL && i <= SHEAR_NOISE_BAND_CORNERS; i++) {
-        if (strcmp(shear_noise_band_name(i), name) == 0) {
+        if (strcmp(shear_noise_band_name(i), name) == 0)
             return i;
-        }
     }
     return SHEAR_NOISE_BAND_NONE;
 }
@@ -50,9 +48,8 @@ static shear_psf_summary read_psf(const json_t *o) {
                   .noise = json_text_number_at(o, "noise"),
                   .lowest = json_text_number_at(o, "lowest")},
     };
-    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++)
         s.flawed[i] = json_text_count_at(json_object_get(o, "flaws"), shear_psf_flaw_name(i));
-    }
     return s;
 }
 
@@ -78,9 +75,8 @@ int sheard_account_parse(sheard_account *account, const char *text, shear_error 
     *account = (sheard_account){.texts = NULL};
     json_t *o = NULL;
     const int code = json_text_load(&o, text, "the account of a file", err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const json_t *resolved = json_object_get(o, "resolved");
     account->texts = o;
     account->file = (sheard_report_file){

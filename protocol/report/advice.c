@@ -20,9 +20,8 @@ const char *sheard_advice_filter(const shear_result *r, const shear_plan_info *p
                                  size_t size) {
     bool much = r->filter_removed > REMOVED_MAX &&
                 r->filter_removed > REMOVED_SIGMA * r->filter_removed_err;
-    if (plan->filter == SHEAR_FILTER_NONE || plan->core_found || !much) {
+    if (plan->filter == SHEAR_FILTER_NONE || plan->core_found || !much)
         return NULL;
-    }
     if (plan->filter_per_stamp) {
         return advice_say(
             buf, size,
@@ -46,9 +45,8 @@ const char *sheard_advice_bright_border(const shear_result *r, const shear_plan_
                                         char *buf, size_t size) {
     bool bright = r->border_excess > BORDER_SIGMA * r->border_excess_err &&
                   r->border_excess * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
-    if (plan->filter != SHEAR_FILTER_NONE || !bright) {
+    if (plan->filter != SHEAR_FILTER_NONE || !bright)
         return NULL;
-    }
     return advice_say(
         buf, size,
         "the stamps' borders are brighter than the noise stamps' by %.2g +- %.1g a pixel, over "
@@ -107,9 +105,8 @@ const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info 
     const double common = hypot(r->border_step_x, r->border_step_y);
     const double step2 = step2_beyond_noise(r, plan);
     const double rms = sqrt(fmax(0.0, step2));
-    if (r->n_used < FEWEST) {
+    if (r->n_used < FEWEST)
         return NULL;
-    }
     const bool sure = fabs(r->border_step_x) > BORDER_SIGMA * r->border_step_x_err ||
                       fabs(r->border_step_y) > BORDER_SIGMA * r->border_step_y_err;
     if (sure && is_steep(common, r, plan)) {
@@ -142,12 +139,10 @@ const char *sheard_advice_many_artefacts(const shear_result *r, const shear_plan
                                          char *buf, size_t size) {
     int64_t n = 0;
     (void)plan;
-    for (unsigned bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+    for (unsigned bit = 0; bit < SHEAR_N_FLAGS; bit++)
         n += 1u << bit == SHEAR_FLAG_ARTEFACT ? r->flagged[bit] : 0;
-    }
-    if (n < ARTEFACTS_MIN || !((double)n > ARTEFACT_SHARE * (double)r->n_stamps)) {
+    if (n < ARTEFACTS_MIN || !((double)n > ARTEFACT_SHARE * (double)r->n_stamps))
         return NULL;
-    }
     return advice_say(
         buf, size,
         "%.2g %% of the stamps are left out for artefacts: cosmic rays in so many? else the PSF "
@@ -166,17 +161,14 @@ void sheard_advice_all(sheard_advice_list *list, const shear_result *r, const sh
         sheard_advice_rough_border, sheard_advice_gradient,        sheard_advice_many_artefacts};
     list->n = 0;
     const char *line = sheard_advice_influence(r, top_file, list->text[0], SHEARD_ADVICE_SIZE);
-    if (line != NULL) {
+    if (line != NULL)
         list->lines[list->n++] = line;
-    }
     for (size_t i = 0; plan != NULL && i < SHEARD_RESULT_ADVICES; i++) {
         line = all[i](r, plan, list->text[list->n], SHEARD_ADVICE_SIZE);
-        if (line != NULL) {
+        if (line != NULL)
             list->lines[list->n++] = line;
-        }
     }
-    if (plan != NULL) {
+    if (plan != NULL)
         sheard_advice_psf(list, plan);
-    }
     assert(list->n <= SHEARD_ADVICES);
 }

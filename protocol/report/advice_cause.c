@@ -46,9 +46,8 @@ const char *sheard_advice_no_noise(const shear_result *r, const shear_plan_info 
                                    size_t size) {
     char effect[64] = "and there is no shear";
     const double left = sheard_advice_noise_left(r, plan);
-    if (!(fabs(left) > BIAS_MIN)) {
+    if (!(fabs(left) > BIAS_MIN))
         return NULL;
-    }
     if (r->valid) {
         snprintf(effect, sizeof effect, "which makes the shear %.2g %% too %s",
                  100.0 * fabs(left / (1.0 + left)), left > 0.0 ? "small" : "large");
@@ -66,12 +65,10 @@ const char *sheard_advice_small_stamps(const shear_result *r, const shear_plan_i
     char much[32] = "by more than 10 %";
     const double bias = shear_plan_periodic_bias(plan);
     (void)r;
-    if (!(bias > BIAS_MIN)) {
+    if (!(bias > BIAS_MIN))
         return NULL;
-    }
-    if (bias < BIAS_NONE) {
+    if (bias < BIAS_NONE)
         snprintf(much, sizeof much, "by about %.2g %%", 100.0 * bias);
-    }
     return advice_say(
         buf, size,
         "stamps of %d x %d px are small for beta = %.3g px, since a transform takes them for "

@@ -40,15 +40,13 @@ static double far_apart(int groups) {
 const char *sheard_advice_errors(const shear_result *r, const shear_plan_info *plan, char *buf,
                                  size_t size) {
     (void)plan;
-    if (!r->valid || r->jackknife < LEAST_GROUPS) {
+    if (!r->valid || r->jackknife < LEAST_GROUPS)
         return NULL;
-    }
     const double r1 = r->g1_err / r->delta_g1_err;
     const double r2 = r->g2_err / r->delta_g2_err;
     const double ratio = fabs(log(r1)) > fabs(log(r2)) ? r1 : r2;
-    if (!(fabs(log(ratio)) > log(far_apart(r->jackknife)))) {
+    if (!(fabs(log(ratio)) > log(far_apart(r->jackknife))))
         return NULL;
-    }
     return advice_say(
         buf, size, "the errors by the jackknife are %.2g times those of the delta method: %s",
         ratio,

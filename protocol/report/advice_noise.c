@@ -18,9 +18,8 @@ static const double NARROW_PX = 1.0; /* R_PSF: galaxies have power at all wave n
 static const double NO_DIGITS = 0.1; /* of D that would be left */
 
 const char *sheard_advice_without_level(double effect, char *buf, size_t size) {
-    if (1.0 + effect < NO_DIGITS) {
+    if (1.0 + effect < NO_DIGITS)
         return advice_say(buf, size, "there would be no shear");
-    }
     const double small = effect / (1.0 + effect);
     return advice_say(buf, size, "the shear would be %.2g %% too %s", 100.0 * fabs(small),
                       small > 0.0 ? "small" : "large");
@@ -92,9 +91,8 @@ const char *sheard_advice_noise_unchecked(const shear_result *r, const shear_pla
 const char *sheard_advice_noise_shape(const shear_result *r, const shear_plan_info *plan, char *buf,
                                       size_t size) {
     (void)plan;
-    if (!has_other_shape(r)) {
+    if (!has_other_shape(r))
         return NULL;
-    }
     return advice_say(
         buf, size,
         "the noise under the galaxies has another spectrum than that of the noise stamps: it "

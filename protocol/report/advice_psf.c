@@ -127,21 +127,18 @@ const char *sheard_advice_other_psfs(const sheard_report_file *files, size_t n, 
     size_t doubtful = 0;
     for (size_t i = 0; i < n; i++) {
         sheard_advice_list list = {.n = 0};
-        if (files[i].path != NULL && first != NULL && strcmp(files[i].path, first) == 0) {
+        if (files[i].path != NULL && first != NULL && strcmp(files[i].path, first) == 0)
             continue;
-        }
         others++;
-        if (files[i].plan != NULL) {
+        if (files[i].plan != NULL)
             sheard_advice_psf(&list, files[i].plan);
-        }
         if (list.n > 0 && doubtful++ == 0) {
             sheard_advice_psf(&said, files[i].plan);
             example = files[i].path;
         }
     }
-    if (doubtful == 0) {
+    if (doubtful == 0)
         return NULL;
-    }
     return advice_say(buf, size, "%zu of %zu files after the first have doubtful PSFs: %.200s: %s",
                       doubtful, others, example != NULL ? example : "a file", said.lines[0]);
 }

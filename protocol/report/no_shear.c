@@ -46,9 +46,8 @@ const char *sheard_no_shear_name(enum shear_no_shear why) {
 enum shear_no_shear sheard_no_shear_of(const char *name) {
     for (enum shear_no_shear why = SHEAR_NO_STAMPS; name != NULL && why <= SHEAR_NOT_FINITE;
          why++) {
-        if (reasons[why].name != NULL && strcmp(reasons[why].name, name) == 0) {
+        if (reasons[why].name != NULL && strcmp(reasons[why].name, name) == 0)
             return why;
-        }
     }
     return SHEAR_HAS_SHEAR;
 }

@@ -5,9 +5,8 @@
 #include "json/text.h"
 
 json_t *parts_plan(const shear_plan_info *plan) {
-    if (plan == NULL) {
+    if (plan == NULL)
         return json_null();
-    }
     return JSON_OBJECT(
         {"interpolation", json_text_string(shear_interpolation_name(plan->interpolation))},
         {"oversample", json_integer(plan->oversample)},
@@ -22,9 +21,8 @@ json_t *parts_plan(const shear_plan_info *plan) {
 }
 
 json_t *parts_psf(const shear_psf_summary *s) {
-    if (s == NULL) {
+    if (s == NULL)
         return json_null();
-    }
     const shear_psf_quality *q = &s->worst;
     return JSON_OBJECT(
         {"looked_at", json_integer(s->looked_at)}, {"unusable", json_integer(s->unusable)},
@@ -37,9 +35,8 @@ json_t *parts_psf(const shear_psf_summary *s) {
 }
 
 json_t *parts_noise_level(const shear_result *r) {
-    if (r == NULL) {
+    if (r == NULL)
         return json_null();
-    }
     return JSON_OBJECT({"alpha", json_text_number(r->noise_level)},
                        {"alpha_err", json_text_number(r->noise_level_err)},
                        {"effect", json_text_number(r->noise_effect)},
@@ -49,9 +46,8 @@ json_t *parts_noise_level(const shear_result *r) {
 }
 
 json_t *parts_influence(const shear_result *r, const char *top_file) {
-    if (r == NULL) {
+    if (r == NULL)
         return json_null();
-    }
     return JSON_OBJECT(
         {"n_eff", json_text_number(r->n_eff)}, {"top_share", json_text_number(r->top_share)},
         {"top_stamp", json_text_index(r->top_stamp)}, {"top_file", json_text_string(top_file)});

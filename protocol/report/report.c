@@ -10,9 +10,8 @@
 
 static json_t *file_list(const sheard_report *r) {
     json_t *array = json_array();
-    for (size_t i = 0; i < r->n_files; i++) {
+    for (size_t i = 0; i < r->n_files; i++)
         json_text_append(&array, parts_file(&r->files[i], false));
-    }
     return array;
 }
 
@@ -35,9 +34,8 @@ static json_t *delta_err(const shear_result *r) {
 }
 
 static json_t *estimates(const sheard_report_estimators *e) {
-    if (e == NULL || e->n == 0) {
+    if (e == NULL || e->n == 0)
         return json_null();
-    }
     json_t *o = json_object();
     for (int i = 0; i < e->n; i++) {
         const shear_result *r = &e->of[i];

@@ -22,9 +22,8 @@ static void read_shear(sheard_report_summary *s, const json_t *o) {
     s->n_stamps = json_text_count_at(o, "n_stamps");
     s->n_used = json_text_count_at(o, "n_used");
     s->n_flagged = json_text_count_at(o, "n_flagged");
-    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++)
         s->flagged[bit] = json_text_count_at(json_object_get(o, "flags"), shear_flag_name(bit));
-    }
     s->jackknife = json_text_count_at(o, "jackknife");
     text_of(o, "estimator", s->estimator, sizeof s->estimator);
     text_of(o, "error_method", s->error_method, sizeof s->error_method);
@@ -90,26 +89,22 @@ static void read_settings(sheard_report_summary *s, const json_t *settings) {
 static bool read_warnings(sheard_report_summary *s, const json_t *list) {
     const size_t n = json_array_size(list);
     s->warnings = n != 0 ? calloc(n, sizeof *s->warnings) : NULL;
-    if (n != 0 && s->warnings == NULL) {
+    if (n != 0 && s->warnings == NULL)
         return false;
-    }
     for (size_t i = 0; i < n; i++) {
         const char *text = json_string_value(json_array_get(list, i));
         char *copy = text != NULL ? strdup(text) : NULL;
-        if (text != NULL && copy == NULL) {
+        if (text != NULL && copy == NULL)
             return false;
-        }
-        if (copy != NULL) {
+        if (copy != NULL)
             s->warnings[s->n_warnings++] = copy;
-        }
     }
     return true;
 }
 
 void sheard_report_summary_deinit(sheard_report_summary *s) {
-    for (int64_t i = 0; i < s->n_warnings; i++) {
+    for (int64_t i = 0; i < s->n_warnings; i++)
         free(s->warnings[i]);
-    }
     free((void *)s->warnings);
     *s = (sheard_report_summary){0};
 }
@@ -118,9 +113,8 @@ int sheard_report_summary_parse(sheard_report_summary *s, const char *text, shea
     json_t *o = NULL;
     *s = (sheard_report_summary){0};
     const int code = json_text_load(&o, text, "a result", err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     read_shear(s, o);
     read_quality(s, o);
     read_plan(s, json_object_get(o, "resolved"));

@@ -8,17 +8,15 @@
 
 static json_t *fault(const sheard_fault *f) {
     json_t *first = json_array();
-    for (int i = 0; i < SHEARD_FAULT_SAMPLES && i < f->count; i++) {
+    for (int i = 0; i < SHEARD_FAULT_SAMPLES && i < f->count; i++)
         json_text_append(&first, json_integer(f->first[i]));
-    }
     return JSON_OBJECT({"count", json_integer(f->count)}, {"first", first});
 }
 
 static json_t *all_flags(const sheard_validation_report *v) {
     json_t *object = json_object();
-    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++)
         json_text_set(&object, shear_flag_name(bit), fault(&v->flags[bit]));
-    }
     return object;
 }
 
@@ -27,9 +25,8 @@ static const char *psf_layout_name(enum shear_psf_layout layout) {
 }
 
 static json_t *field_object(const shear_field_info *f) {
-    if (f == NULL) {
+    if (f == NULL)
         return json_null();
-    }
     const shear_geometry *g = &f->geometry;
     return JSON_OBJECT(
         {"name", json_text_string(f->name)}, {"n_stamps", json_integer(f->n_stamps)},

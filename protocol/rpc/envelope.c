@@ -18,13 +18,11 @@ bool rpc_id_read(sheard_rpc_id *id, const json_t *value) {
         id->integer = json_integer_value(value);
         return true;
     }
-    if (!json_is_string(value)) {
+    if (!json_is_string(value))
         return json_is_null(value);
-    }
     const size_t n = json_string_length(value);
-    if (n > SHEARD_RPC_ID_MAX || strlen(json_string_value(value)) != n) {
+    if (n > SHEARD_RPC_ID_MAX || strlen(json_string_value(value)) != n)
         return false;
-    }
     id->type = SHEARD_ID_TEXT;
     memcpy(id->text, json_string_value(value), n + 1);
     return true;
@@ -43,9 +41,8 @@ bool rpc_is_2_0(const json_t *root) {
 
 /* From a line that is not taken as a whole: the value of the one "id" of its outermost object. */
 static void recover_id(sheard_rpc_id *id, const char *line, const rpc_scan *scan) {
-    if (scan->n_ids != 1 || scan->id_end <= scan->id_at) {
+    if (scan->n_ids != 1 || scan->id_end <= scan->id_at)
         return;
-    }
     tree_error why;
     json_t *value =
         tree_load(line + scan->id_at, scan->id_end - scan->id_at, JSON_DECODE_ANY, &why);
@@ -59,9 +56,8 @@ static json_t *load(const char *line, size_t n, sheard_rpc_error *error) {
                                 [TREE_DUPLICATE_KEY] = SHEARD_RPC_DUPLICATE_KEY};
     tree_error why;
     json_t *root = tree_load(line, n, JSON_DECODE_ANY, &why);
-    if (root == NULL) {
+    if (root == NULL)
         sheard_rpc_fail(error, codes[why.fault], NULL, "%s", why.text);
-    }
     return root;
 }
 
@@ -71,9 +67,8 @@ json_t *rpc_read_line(const char *line, size_t n, const sheard_rpc_limits *limit
     *error = (sheard_rpc_error){.code = SHEARD_RPC_OK};
     json_t *root =
         rpc_scan_line(&scan, line, n, limits, error) == SHEARD_RPC_OK ? load(line, n, error) : NULL;
-    if (id != NULL) {
+    if (id != NULL)
         *id = (sheard_rpc_id){.type = SHEARD_ID_NULL};
-    }
     if (id != NULL &&
         (error->code == SHEARD_RPC_TOO_COMPLEX || error->code == SHEARD_RPC_DUPLICATE_KEY)) {
         recover_id(id, line, &scan);
@@ -95,12 +90,10 @@ json_t *rpc_read_object(const char *text, size_t n, const sheard_rpc_limits *lim
 int rpc_write_text(char **text, size_t *n, json_t *value, size_t flags, const char *tail,
                    sheard_rpc_error *error) {
     *text = NULL;
-    if (n != NULL) {
+    if (n != NULL)
         *n = 0;
-    }
-    if (value == NULL) {
+    if (value == NULL)
         return error->code;
-    }
     *text = tree_dump(value, flags, tail, n);
     json_decref(value);
     return *text != NULL ? SHEARD_RPC_OK

@@ -13,9 +13,8 @@ int sheard_job_file_parse(sheard_msg_submit *submit, const char *text, size_t n,
     sheard_rpc_limits limits = sheard_rpc_request_limits;
     limits.line = SHEARD_MSG_JOB_FILE_MAX;
     json_t *root = rpc_read_object(text, n, &limits, "a job file", error);
-    if (root == NULL) {
+    if (root == NULL)
         return error->code;
-    }
     const int code = submit_read(submit, root, defaults, error);
     json_decref(root);
     return code;
@@ -29,9 +28,8 @@ static int parse(void *message, const msg_table *table, unsigned mode, const cha
                  sheard_rpc_error *error) {
     memset(message, 0, table->size);
     json_t *root = rpc_read_object(text, n, &sheard_rpc_reply_limits, "this text", error);
-    if (root == NULL) {
+    if (root == NULL)
         return error->code;
-    }
     const int code = msg_read(message, table, root, mode, error);
     json_decref(root);
     return code;

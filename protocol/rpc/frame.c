@@ -38,15 +38,13 @@ static void reset(sheard_frame *f) {
  * limit. */
 static enum sheard_frame_event reserve(sheard_frame *f, size_t n) {
     assert(n <= f->limit);
-    if (n <= f->size) {
+    if (n <= f->size)
         return SHEARD_FRAME_MORE;
-    }
     const size_t wanted = array_next_capacity(f->size, n, 1);
     const size_t size = wanted < f->limit ? wanted : f->limit;
     char *larger = realloc(f->kept, size);
-    if (larger == NULL) {
+    if (larger == NULL)
         return SHEARD_FRAME_NOMEM;
-    }
     f->kept = larger;
     f->size = size;
     return SHEARD_FRAME_MORE;
@@ -77,16 +75,14 @@ static enum sheard_frame_event end_line(sheard_frame *f, const char *bytes, size
     *length = n;
     if (f->used > 0) {
         const enum sheard_frame_event event = n > 0 ? append(f, bytes, n) : SHEARD_FRAME_MORE;
-        if (event != SHEARD_FRAME_MORE) {
+        if (event != SHEARD_FRAME_MORE)
             return event;
-        }
         *line = f->kept;
         *length = f->used;
         f->delivered = true;
     }
-    if (*length > 0 && (*line)[*length - 1] == '\r') {
+    if (*length > 0 && (*line)[*length - 1] == '\r')
         --*length;
-    }
     return *length > 0 ? SHEARD_FRAME_LINE : SHEARD_FRAME_MORE;
 }
 
@@ -115,12 +111,10 @@ enum sheard_frame_event sheard_frame_next(sheard_frame *f, const char **input, s
     *line = NULL;
     *length = 0;
     for (;;) {
-        if (f->delivered) {
+        if (f->delivered)
             reset(f);
-        }
-        if (*n == 0) {
+        if (*n == 0)
             return SHEARD_FRAME_MORE;
-        }
         const char *bytes = *input;
         const char *newline = memchr(bytes, '\n', *n);
         const size_t taken = newline != NULL ? (size_t)(newline - bytes) : *n;
@@ -128,8 +122,7 @@ enum sheard_frame_event sheard_frame_next(sheard_frame *f, const char **input, s
         *n -= taken + (newline != NULL);
         const enum sheard_frame_event event =
             add_bytes(f, bytes, taken, newline != NULL, line, length);
-        if (event != SHEARD_FRAME_MORE) {
+        if (event != SHEARD_FRAME_MORE)
             return event;
-        }
     }
 }

@@ -18,9 +18,8 @@ static int bad_call(sheard_rpc_error *error, const char *what, int number) {
 
 void sheard_params_init(sheard_params *params, int method) {
     memset(params, 0, sizeof *params);
-    if (sheard_method_name(method) != NULL) {
+    if (sheard_method_name(method) != NULL)
         msg_init(params, rpc_methods[method].params);
-    }
 }
 
 /* The daemon would say no: say it here. */
@@ -28,18 +27,16 @@ static int check_as_daemon(int method, const json_t *params, sheard_rpc_error *e
     sheard_params parsed;
     const msg_table *table = rpc_methods[method].params;
     const int code = msg_read(&parsed, table, params, MSG_STRICT, error);
-    if (code == SHEARD_RPC_OK) {
+    if (code == SHEARD_RPC_OK)
         msg_deinit(&parsed, table);
-    }
     return code;
 }
 
 /* Escapes may make a line longer than its parameters are. */
 static int check_length(char **line, size_t *n, sheard_rpc_error *error) {
     const size_t length = *n - 1;
-    if (length <= sheard_rpc_request_limits.line) {
+    if (length <= sheard_rpc_request_limits.line)
         return SHEARD_RPC_OK;
-    }
     free(*line);
     *line = NULL;
     *n = 0;
@@ -61,15 +58,13 @@ int sheard_request_line(char **line, size_t *n, const sheard_rpc_id *id, int met
     sheard_params none;
     *line = NULL;
     *n = 0;
-    if (sheard_method_name(method) == NULL) {
+    if (sheard_method_name(method) == NULL)
         return bad_call(error, "method", method);
-    }
     sheard_params_init(&none, method);
     json_t *object =
         msg_write(params != NULL ? params : &none, rpc_methods[method].params, MSG_SPARSE, error);
-    if (object == NULL) {
+    if (object == NULL)
         return error->code;
-    }
     int code = check_as_daemon(method, object, error);
     if (code != SHEARD_RPC_OK) {
         json_decref(object);
@@ -86,9 +81,8 @@ int sheard_reply_line(char **line, size_t *n, const sheard_rpc_id *id, int metho
                       const sheard_reply *reply, sheard_rpc_error *error) {
     *line = NULL;
     *n = 0;
-    if (sheard_method_name(method) == NULL) {
+    if (sheard_method_name(method) == NULL)
         return bad_call(error, "method", method);
-    }
     json_t *result = msg_write(reply, rpc_methods[method].reply, 0, error);
     return result != NULL ? write_answer(line, n, id, "result", result, error) : error->code;
 }
@@ -109,13 +103,11 @@ int sheard_notice_line(char **line, size_t *n, int notice, const sheard_notice_p
                        sheard_rpc_error *error) {
     *line = NULL;
     *n = 0;
-    if (sheard_notice_name(notice) == NULL) {
+    if (sheard_notice_name(notice) == NULL)
         return bad_call(error, "notification", notice);
-    }
     json_t *object = msg_write(params, rpc_notices[notice].params, 0, error);
-    if (object == NULL) {
+    if (object == NULL)
         return error->code;
-    }
     json_t *told =
         JSON_OBJECT({"jsonrpc", json_string("2.0")},
                     {"method", json_string(rpc_notices[notice].name)}, {"params", object});

@@ -13,9 +13,8 @@ static const msg_member *list_of(int method, sheard_rpc_error *error) {
     const msg_table *table =
         sheard_method_name(method) != NULL ? rpc_methods[method].reply : &msg_nothing;
     for (size_t i = 0; i < table->n; i++) {
-        if (table->members[i].type == MSG_OBJECTS) {
+        if (table->members[i].type == MSG_OBJECTS)
             return &table->members[i];
-        }
     }
     sheard_rpc_fail(error, SHEARD_RPC_INTERNAL, NULL, "replies of method %d have no list", method);
     return NULL;

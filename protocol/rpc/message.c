@@ -37,31 +37,26 @@ static int read_error(sheard_rpc_error *said, const json_t *value, sheard_rpc_er
 static int read_notice(sheard_message *m, const json_t *root, sheard_rpc_error *error) {
     const char *name = json_text_string_at(root, "method");
     m->kind = SHEARD_MESSAGE_NOTICE;
-    if (name == NULL) {
+    if (name == NULL)
         return bad_reply(error, "has a method that is no string");
-    }
     const enum sheard_notice notice = sheard_notice_find(name);
-    if (notice == SHEARD_NOTICE_NONE) {
+    if (notice == SHEARD_NOTICE_NONE)
         return SHEARD_RPC_OK;
-    }
     const int code =
         msg_read(&m->params, rpc_notices[notice].params, json_object_get(root, "params"), 0, error);
-    if (code == SHEARD_RPC_OK) {
+    if (code == SHEARD_RPC_OK)
         m->notice = notice;
-    }
     return code;
 }
 
 static int read_answer(sheard_message *m, const json_t *root, sheard_rpc_error *error) {
     json_t *result = json_object_get(root, "result");
     json_t *failure = json_object_get(root, "error");
-    if ((result == NULL) == (failure == NULL)) {
+    if ((result == NULL) == (failure == NULL))
         return bad_reply(error, "has neither or both of \"result\" and \"error\"");
-    }
     const json_t *id = json_object_get(root, "id");
-    if (id == NULL || !rpc_id_read(&m->id, id)) {
+    if (id == NULL || !rpc_id_read(&m->id, id))
         return bad_reply(error, "has no id");
-    }
     if (failure != NULL) {
         m->kind = SHEARD_MESSAGE_ERROR;
         return read_error(&m->error, failure, error);
@@ -72,9 +67,8 @@ static int read_answer(sheard_message *m, const json_t *root, sheard_rpc_error *
 }
 
 static int read_message(sheard_message *m, const json_t *root, sheard_rpc_error *error) {
-    if (!rpc_is_2_0(root)) {
+    if (!rpc_is_2_0(root))
         return bad_reply(error, "is not JSON-RPC 2.0");
-    }
     return json_object_get(root, "method") != NULL ? read_notice(m, root, error)
                                                    : read_answer(m, root, error);
 }
@@ -96,16 +90,14 @@ int sheard_message_parse(sheard_message *message, const char *line, size_t n,
     }
     const int code = read_message(message, root, error);
     json_decref(root);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         sheard_message_deinit(message);
-    }
     return code;
 }
 
 void sheard_message_deinit(sheard_message *message) {
-    if (message->kind == SHEARD_MESSAGE_NOTICE && sheard_notice_name(message->notice) != NULL) {
+    if (message->kind == SHEARD_MESSAGE_NOTICE && sheard_notice_name(message->notice) != NULL)
         msg_deinit(&message->params, rpc_notices[message->notice].params);
-    }
     json_decref(message->body);
     memset(message, 0, sizeof *message);
     message->notice = SHEARD_NOTICE_NONE;
@@ -114,20 +106,17 @@ void sheard_message_deinit(sheard_message *message) {
 int sheard_message_reply(const sheard_message *message, int method, sheard_reply *reply,
                          sheard_rpc_error *error) {
     memset(reply, 0, sizeof *reply);
-    if (message->kind != SHEARD_MESSAGE_REPLY || sheard_method_name(method) == NULL) {
+    if (message->kind != SHEARD_MESSAGE_REPLY || sheard_method_name(method) == NULL)
         return bad_reply(error, "is not a reply");
-    }
     const json_t *body = message->body;
-    if (!json_is_object(body)) {
+    if (!json_is_object(body))
         return bad_reply(error, "has a result that is no object");
-    }
     return msg_read(reply, rpc_methods[method].reply, body, 0, error);
 }
 
 void sheard_reply_deinit(sheard_reply *reply, int method) {
-    if (sheard_method_name(method) != NULL) {
+    if (sheard_method_name(method) != NULL)
         msg_deinit(reply, rpc_methods[method].reply);
-    }
     memset(reply, 0, sizeof *reply);
 }
 

@@ -35,18 +35,16 @@ const char *sheard_notice_name(int notice) {
 
 enum sheard_method sheard_method_find(const char *name) {
     for (int i = 0; i < SHEARD_N_METHODS; i++) {
-        if (strcmp(rpc_methods[i].name, name) == 0) {
+        if (strcmp(rpc_methods[i].name, name) == 0)
             return i;
-        }
     }
     return SHEARD_METHOD_NONE;
 }
 
 enum sheard_notice sheard_notice_find(const char *name) {
     for (int i = 0; i < SHEARD_N_NOTICES; i++) {
-        if (strcmp(rpc_notices[i].name, name) == 0) {
+        if (strcmp(rpc_notices[i].name, name) == 0)
             return i;
-        }
     }
     return SHEARD_NOTICE_NONE;
 }

@@ -21,9 +21,8 @@ static int check_shape(const json_t *root, sheard_rpc_error *error) {
 static bool is_known_member(const char *name) {
     static const char *const known[] = {"jsonrpc", "id", "method", "params"};
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
-        if (strcmp(known[i], name) == 0) {
+        if (strcmp(known[i], name) == 0)
             return true;
-        }
     }
     return false;
 }
@@ -40,9 +39,8 @@ static int check_envelope(json_t *root, sheard_rpc_error *error) {
 
 static int read_id(sheard_rpc_id *id, const json_t *root, sheard_rpc_error *error) {
     const json_t *value = json_object_get(root, "id");
-    if (value == NULL) {
+    if (value == NULL)
         return invalid(error, "\"id\" is missing: every request is answered");
-    }
     return rpc_id_read(id, value)
                ? SHEARD_RPC_OK
                : invalid(error,
@@ -51,13 +49,11 @@ static int read_id(sheard_rpc_id *id, const json_t *root, sheard_rpc_error *erro
 
 static int read_method(enum sheard_method *method, const json_t *root, sheard_rpc_error *error) {
     const json_t *value = json_object_get(root, "method");
-    if (!json_is_string(value)) {
+    if (!json_is_string(value))
         return invalid(error, "\"method\" must be a string");
-    }
     const char *name = json_string_value(value);
-    if (strlen(name) == json_string_length(value)) {
+    if (strlen(name) == json_string_length(value))
         *method = sheard_method_find(name);
-    }
     return *method != SHEARD_METHOD_NONE ? SHEARD_RPC_OK
                                          : sheard_rpc_fail(error, SHEARD_RPC_UNKNOWN_METHOD, NULL,
                                                            "there is no method \"%.60s\"", name);
@@ -66,9 +62,8 @@ static int read_method(enum sheard_method *method, const json_t *root, sheard_rp
 static int read_params(sheard_params *params, enum sheard_method method, const json_t *root,
                        const shear_settings *defaults, sheard_rpc_error *error) {
     const json_t *given = json_object_get(root, "params");
-    if (json_is_null(given)) {
+    if (json_is_null(given))
         given = NULL;
-    }
     if (given != NULL && !json_is_object(given)) {
         return sheard_rpc_fail_parameter(error, SHEARD_RPC_BAD_PARAMETER, "params",
                                          "name the parameters: {\"id\": 1}",
@@ -84,25 +79,20 @@ static int read_request(sheard_request *request, json_t *root, const shear_setti
                         sheard_rpc_error *error) {
     enum sheard_method method = SHEARD_METHOD_NONE;
     int code = check_shape(root, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
     code = read_id(&request->id, root, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
     code = check_envelope(root, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
     code = read_method(&method, root, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
     code = read_params(&request->params, method, root, defaults, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
     request->method = method;
     return SHEARD_RPC_OK;
 }
@@ -112,17 +102,15 @@ int sheard_request_parse(sheard_request *request, const char *line, size_t n,
     memset(request, 0, sizeof *request);
     request->method = SHEARD_METHOD_NONE;
     json_t *root = rpc_read_line(line, n, &sheard_rpc_request_limits, &request->id, error);
-    if (root == NULL) {
+    if (root == NULL)
         return error->code;
-    }
     const int code = read_request(request, root, defaults, error);
     json_decref(root);
     return code;
 }
 
 void sheard_request_deinit(sheard_request *request) {
-    if (sheard_method_name(request->method) != NULL) {
+    if (sheard_method_name(request->method) != NULL)
         msg_deinit(&request->params, rpc_methods[request->method].params);
-    }
     memset(request, 0, sizeof *request);
 }

@@ -118,9 +118,8 @@ int rpc_scan_line(rpc_scan *scan, const char *line, size_t n, const sheard_rpc_l
         return sheard_rpc_fail(error, SHEARD_RPC_LINE_TOO_LONG, NULL,
                                "%zu bytes; at most %zu are taken", n, limits->line);
     }
-    if (memchr(line, '\0', n) != NULL) {
+    if (memchr(line, '\0', n) != NULL)
         return sheard_rpc_fail(error, SHEARD_RPC_NUL_BYTE, NULL, "there is a NUL byte in the text");
-    }
     scanner s = {.line = line};
     for (; s.at < n; s.at++) {
         if (s.in_string) {

@@ -8,13 +8,11 @@ static int check_settings(const sheard_msg_submit *submit, const shear_settings 
                           sheard_rpc_error *error) {
     shear_settings s;
     shear_settings_init(&s);
-    if (defaults != NULL) {
+    if (defaults != NULL)
         s = *defaults;
-    }
     shear_error core = {0};
-    if (sheard_settings_apply(&s, submit->settings, &core) == SHEAR_OK) {
+    if (sheard_settings_apply(&s, submit->settings, &core) == SHEAR_OK)
         return SHEARD_RPC_OK;
-    }
     sheard_rpc_fail_core(error, &core);
     text_set(error->parameter, sizeof error->parameter, "settings");
     return error->code;
@@ -23,12 +21,10 @@ static int check_settings(const sheard_msg_submit *submit, const shear_settings 
 int submit_read(sheard_msg_submit *submit, const json_t *params, const shear_settings *defaults,
                 sheard_rpc_error *error) {
     int code = msg_read(submit, &msg_submit, params, MSG_STRICT, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
     code = check_settings(submit, defaults, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         msg_deinit(submit, &msg_submit);
-    }
     return code;
 }

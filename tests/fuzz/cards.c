@@ -51,9 +51,8 @@ void fuzz_set_value(uint8_t *card, const char *value) {
 static uint8_t *any_card(uint8_t *data, size_t size, uint64_t *state) {
     for (int tries = 0; size >= FUZZ_CARD && tries < 1000; tries++) {
         uint8_t *card = data + fuzz_below(state, size / FUZZ_CARD) * FUZZ_CARD;
-        if (fuzz_is_card(card) != 0) {
+        if (fuzz_is_card(card) != 0)
             return card;
-        }
     }
     return NULL;
 }
@@ -70,9 +69,8 @@ void fuzz_mutate_card(uint8_t *data, size_t size, uint64_t *state) {
     uint8_t *card = any_card(data, size, state);
     uint8_t *other = any_card(data, size, state);
     char key[KEY + 1];
-    if (card == NULL || other == NULL) {
+    if (card == NULL || other == NULL)
         return;
-    }
     switch (fuzz_below(state, 8)) {
     case 0: /* twice there */
         memmove(card, other, FUZZ_CARD);

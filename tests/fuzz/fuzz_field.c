@@ -61,27 +61,23 @@ static void read_parts(int fd, const uint8_t *bytes, size_t size) {
         input.parts[i].path = i < SHEAR_PART_CATALOG || chosen < 4 ? "input.fits" : NULL;
         input.parts[i].hdu = chosen < 6 ? chosen : -1;
     }
-    if (shear_field_open_input(&field, &input, fds, &err) == SHEAR_OK) {
+    if (shear_field_open_input(&field, &input, fds, &err) == SHEAR_OK)
         read_all(field);
-    }
     shear_field_close(field);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     const int fd = memfd_create("field", MFD_CLOEXEC);
-    if (fd < 0) {
+    if (fd < 0)
         return 0;
-    }
     shear_field *field = NULL;
     shear_error err = {0};
     const bool written = write(fd, bytes, size) == (ssize_t)size;
-    if (written && shear_field_open_fd(&field, fd, "input.fits", &err) == SHEAR_OK) {
+    if (written && shear_field_open_fd(&field, fd, "input.fits", &err) == SHEAR_OK)
         read_all(field);
-    }
     shear_field_close(field);
-    if (written) {
+    if (written)
         read_parts(fd, bytes, size);
-    }
     close(fd);
     return 0;
 }
@@ -90,12 +86,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
 /* libFuzzer's own mutations, and as often those that know what a card is. */
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed) {
     uint64_t state = seed;
-    if (fuzz_below(&state, 2) == 0) {
+    if (fuzz_below(&state, 2) == 0)
         return LLVMFuzzerMutate(data, size, max_size);
-    }
-    for (size_t n = 1 + fuzz_below(&state, 3); n > 0; n--) {
+    for (size_t n = 1 + fuzz_below(&state, 3); n > 0; n--)
         fuzz_mutate_card(data, size, &state);
-    }
     return size;
 }
 #endif

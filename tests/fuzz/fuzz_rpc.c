@@ -29,9 +29,8 @@ static void say_again(const sheard_request *request) {
         sheard_request_line(&once, &n, &request->id, request->method, &request->params, &error);
     demand(rc == SHEARD_RPC_OK || rc == SHEARD_RPC_LINE_TOO_LONG, /* escapes may be longer now */
            "a request that was taken can be written");
-    if (rc != SHEARD_RPC_OK) {
+    if (rc != SHEARD_RPC_OK)
         return;
-    }
     if (sheard_request_parse(&back, once, n - 1, NULL, &error) == SHEARD_RPC_OK) {
         demand(sheard_rpc_id_equal(&back.id, &request->id), "the id stays");
         demand(sheard_request_line(&twice, &n, &back.id, back.method, &back.params, &error) ==

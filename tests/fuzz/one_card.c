@@ -41,9 +41,8 @@ static int n_places;
 /* ---- reading ---- */
 
 static void add(XXH64_state_t *h, const void *values, size_t bytes) {
-    if (values != NULL) {
+    if (values != NULL)
         XXH64_update(h, values, bytes);
-    }
 }
 
 static bool add_stamps(XXH64_state_t *h, shear_field *field, const shear_field_info *info) {
@@ -114,9 +113,8 @@ static uint64_t digest(const uint8_t *bytes, size_t size) {
 
 static void key_of(const uint8_t *card, char key[KEY + 1]) {
     int n = KEY;
-    while (n > 0 && card[n - 1] == ' ') {
+    while (n > 0 && card[n - 1] == ' ')
         n--;
-    }
     memcpy(key, card, (size_t)n);
     key[n] = '\0';
 }
@@ -135,13 +133,11 @@ static void list_header(int seed, int hdu, size_t at) {
         place *p = &places[n_places++];
         *p = (place){.seed = seed, .hdu = hdu, .offset = i};
         key_of(b->data + i, p->key);
-        if (strcmp(p->key, "EXTNAME") == 0) {
+        if (strcmp(p->key, "EXTNAME") == 0)
             sscanf((const char *)b->data + i + 10, "'%8[A-Z]", name);
-        }
         packed = packed || strcmp(p->key, "ZIMAGE") == 0;
-        if (strcmp(p->key, "END") == 0) {
+        if (strcmp(p->key, "END") == 0)
             break;
-        }
         key_of(b->data + i + FUZZ_CARD, p->next);
     }
     for (int i = first; i < n_places; i++) {
@@ -154,9 +150,8 @@ static void list_places(void) {
     for (int i = 0; i < FUZZ_SEEDS; i++) {
         int hdu = 0;
         for (size_t at = 0; at < seeds[i].size; at += FUZZ_BLOCK) {
-            if (is_header(&seeds[i], at)) {
+            if (is_header(&seeds[i], at))
                 list_header(i, hdu++, at);
-            }
         }
     }
 }
@@ -183,9 +178,8 @@ static void apply(int mutant, uint8_t *data) {
     } else if (way == 0) {
         memset(card, ' ', FUZZ_CARD);
     } else {
-        if (way == 2) {
+        if (way == 2)
             memcpy(card, card + FUZZ_CARD, FUZZ_CARD);
-        }
         memcpy(card + FUZZ_CARD, kept, FUZZ_CARD);
     }
 }
@@ -195,9 +189,8 @@ static void apply(int mutant, uint8_t *data) {
 static bool among(const char *key, const char *const *list) {
     for (; *list != NULL; list++) {
         const size_t n = strlen(*list);
-        if ((*list)[n - 1] == '*' ? strncmp(key, *list, n - 1) == 0 : strcmp(key, *list) == 0) {
+        if ((*list)[n - 1] == '*' ? strncmp(key, *list, n - 1) == 0 : strcmp(key, *list) == 0)
             return true;
-        }
     }
     return false;
 }
@@ -213,12 +206,10 @@ static bool decides(const place *p, const char *key) {
                                          "STAMPN*", "NSTAMP", "OVERSAMP", NULL};
     static const char *const plain[] = {"BITPIX", "NAXIS*", NULL};
     static const char *const catalog[] = {"T*", "NAXIS*", "EXTNAME", NULL};
-    if (p->hdu == 0) {
+    if (p->hdu == 0)
         return among(key, primary);
-    }
-    if (strcmp(p->name, "CATALOG") == 0) {
+    if (strcmp(p->name, "CATALOG") == 0)
         return among(key, catalog);
-    }
     if (strcmp(p->name, "GALAXY") != 0 && strcmp(p->name, "NOISE") != 0 &&
         strcmp(p->name, "PSF") != 0) {
         return false;
@@ -271,9 +262,8 @@ static int run_batch(const int *list, int from, int to, int *crashes) {
     }
     int status = 0;
     waitpid(child, &status, 0);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
         return to;
-    }
     char name[200];
     name_of(list[*current], name, sizeof name);
     fprintf(stderr, "one_card: CRASH (%s %d): %s\n", WIFSIGNALED(status) ? "signal" : "exit",
@@ -288,9 +278,8 @@ static int run(const int *list, int n) {
     current = shared;
     broken = shared + 1;
     accepted = shared + 2;
-    for (int i = 0; i < n;) {
+    for (int i = 0; i < n;)
         i = run_batch(list, i, i + BATCH < n ? i + BATCH : n, &crashes);
-    }
     printf("one_card: %d mutants, %d accepted, %d crashes, %d with other numbers\n", n, *accepted,
            crashes, *broken);
     return crashes + *broken > 0;
@@ -321,16 +310,14 @@ static int choose(int argc, char **argv, int *list, int all) {
         return first >= 0 && first < all ? 1 : 0;
     }
     const int n = sample && first < all ? (int)first : all;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         list[i] = sample ? (int)fuzz_below(&state, (size_t)all) : i;
-    }
     return n;
 }
 
 int main(int argc, char **argv) {
-    if (fixture_setup(NULL) != 0) {
+    if (fixture_setup(NULL) != 0)
         return 1;
-    }
     int failed = prepare() ? 0 : 1;
     const int all = n_places * n_ways();
     int *list = calloc((size_t)all + 1, sizeof *list);
@@ -341,9 +328,8 @@ int main(int argc, char **argv) {
     }
     failed = failed != 0 ? failed : run(list, n);
     free(list);
-    for (int i = 0; i < FUZZ_SEEDS; i++) {
+    for (int i = 0; i < FUZZ_SEEDS; i++)
         free(seeds[i].data);
-    }
     fixture_teardown(NULL);
     return failed;
 }

@@ -26,9 +26,8 @@ static int replay(const char *path, uint8_t *bytes) {
 int main(int argc, char **argv) {
     uint8_t *bytes = malloc(LARGEST);
     int failed = bytes == NULL || argc < 2;
-    for (int i = 1; i < argc && failed == 0; i++) {
+    for (int i = 1; i < argc && failed == 0; i++)
         failed = replay(argv[i], bytes);
-    }
     free(bytes);
     return failed;
 }

@@ -79,9 +79,8 @@ static void write_front(const char *path) {
     char *binary[] = {"1PE", "20A", "3X"};
     fitsfile *f = fixture_create(path);
     int status = 0;
-    for (int i = 0; i < 192; i++) {
+    for (int i = 0; i < 192; i++)
         pixels[i] = i * i % 211;
-    }
     for (int i = 0; i < 3; i++) {
         fixture_append(f,
                        &(fixture_image){.name = "OTHER",

@@ -38,9 +38,8 @@ static void mutate_bytes(bytes b) {
         b.data[at] = (unsigned char)fuzz_draw(&state);
         break;
     default:
-        for (size_t k = 0; k < 1 + below(8) && at + k < b.size; k++) {
+        for (size_t k = 0; k < 1 + below(8) && at + k < b.size; k++)
             b.data[at + k] = extremes[below(sizeof extremes)];
-        }
     }
 }
 
@@ -81,22 +80,19 @@ static void on_signal(int number) {
         digits[k++] = (char)('0' + value % 10);
         value /= 10;
     } while (value > 0);
-    while (k > 0) {
+    while (k > 0)
         text[n++] = digits[--k];
-    }
     text[n++] = '\n';
-    if (write(STDERR_FILENO, text, n) < 0) {
+    if (write(STDERR_FILENO, text, n) < 0)
         _exit(1);
-    }
     signal(number, SIG_DFL);
     raise(number);
 }
 
 static int open_descriptors(void) {
     int n = 0;
-    for (int fd = 0; fd < 64; fd++) {
+    for (int fd = 0; fd < 64; fd++)
         n += fcntl(fd, F_GETFD) >= 0;
-    }
     return n;
 }
 
@@ -137,18 +133,16 @@ static int run_file(const char *path) {
 static bool is_good(const char *path) {
     shear_field *field = NULL;
     shear_error err = {0};
-    if (shear_field_open(&field, path, &err) != SHEAR_OK) {
+    if (shear_field_open(&field, path, &err) != SHEAR_OK)
         fprintf(stderr, "fuzz_field: %s\n", err.message);
-    }
     shear_field_close(field);
     return err.code == SHEAR_OK;
 }
 
 static int run_seeds(const char *option, int argc, char **argv) {
     bytes seeds[FUZZ_SEEDS];
-    if (fixture_setup(NULL) != 0) {
+    if (fixture_setup(NULL) != 0)
         return 1;
-    }
     bool good = true;
     const int corpus = strcmp(option, "--corpus") == 0;
     for (int i = 0; i < FUZZ_SEEDS; i++) {
@@ -168,24 +162,20 @@ static int run_seeds(const char *option, int argc, char **argv) {
                    : corpus != 0
                        ? 0
                        : run_mutants(seeds, argc > 1 ? first : 0, argc > 1 ? last : first);
-    for (int i = 0; i < FUZZ_SEEDS; i++) {
+    for (int i = 0; i < FUZZ_SEEDS; i++)
         free(seeds[i].data);
-    }
     fixture_teardown(NULL);
     return rc;
 }
 
 int main(int argc, char **argv) {
     static const int signals[] = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGALRM};
-    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
+    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++)
         signal(signals[i], on_signal);
-    }
-    if (argc > 1 && strncmp(argv[1], "--", 2) == 0) {
+    if (argc > 1 && strncmp(argv[1], "--", 2) == 0)
         return run_seeds(argv[1], argc - 2, argv + 2);
-    }
     int rc = 0;
-    for (int i = 1; i < argc; i++) {
+    for (int i = 1; i < argc; i++)
         rc |= run_file(argv[i]);
-    }
     return rc;
 }

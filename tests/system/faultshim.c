@@ -51,21 +51,18 @@ static const char *text(const char *name, const char *otherwise) {
 static _Atomic int64_t *shared(const char *path) {
     void *map = MAP_FAILED;
     const int fd = path != NULL ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600) : -1;
-    if (fd >= 0 && ftruncate(fd, sizeof(_Atomic int64_t)) == 0) {
+    if (fd >= 0 && ftruncate(fd, sizeof(_Atomic int64_t)) == 0)
         map = mmap(NULL, sizeof(_Atomic int64_t), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-    }
-    if (fd >= 0) {
+    if (fd >= 0)
         close(fd);
-    }
     return map != MAP_FAILED ? map : NULL;
 }
 
 __attribute__((constructor)) static void begin(void) {
     static _Atomic int64_t own;
     const char *how = text("FAULT_HOW", "EIO");
-    if (strcmp(program_invocation_short_name, text("FAULT_PROGRAM", "sheard")) != 0) {
+    if (strcmp(program_invocation_short_name, text("FAULT_PROGRAM", "sheard")) != 0)
         return;
-    }
     shim.below = text("FAULT_BELOW", "");
     shim.calls = text("FAULT_CALLS", "wsr");
     shim.at = number("FAULT_AT", 0);
@@ -82,9 +79,8 @@ __attribute__((constructor)) static void begin(void) {
 static bool is_below(const char *path) {
     for (const char *at = shim.below; *at != '\0';) {
         const size_t n = strcspn(at, ":");
-        if (n > 0 && strncmp(path, at, n) == 0 && (path[n] == '/' || path[n] == '\0')) {
+        if (n > 0 && strncmp(path, at, n) == 0 && (path[n] == '/' || path[n] == '\0'))
             return true;
-        }
         at += n + (at[n] == ':');
     }
     return false;
@@ -105,9 +101,8 @@ enum fate { GO_ON, FAIL, DIE };
 static enum fate fate(char call, bool counted) {
     const int64_t n =
         counted && strchr(shim.calls, call) != NULL ? atomic_fetch_add(shim.count, 1) + 1 : 0;
-    if (n == 0 || shim.at == 0 || n < shim.at || n >= shim.at + shim.length) {
+    if (n == 0 || shim.at == 0 || n < shim.at || n >= shim.at + shim.length)
         return GO_ON;
-    }
     errno = shim.error;
     return shim.error != 0 ? FAIL : DIE;
 }

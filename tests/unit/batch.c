@@ -95,8 +95,7 @@ void batch_measure(const shear_plan *plan, const shear_stamps *stamps, shear_row
     shear_workspace *ws = NULL;
     shear_error err = {0};
     assert_int_equal(shear_workspace_new(&ws, plan, &err), SHEAR_OK);
-    if (shear_measure_range(plan, ws, stamps, 0, stamps->count, rows, &err) != SHEAR_OK) {
+    if (shear_measure_range(plan, ws, stamps, 0, stamps->count, rows, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     shear_workspace_free(ws);
 }

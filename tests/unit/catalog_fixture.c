@@ -75,8 +75,7 @@ shear_result catalog_result(int64_t n) {
                       .n_stamps = n,
                       .n_used = 8,
                       .n_flagged = 3};
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         r.flagged[i] = i + 1;
-    }
     return r;
 }

@@ -46,9 +46,8 @@ int fixture_count_files(void) {
     DIR *d = opendir(directory);
     assert_non_null(d);
     int n = 0;
-    while (readdir(d) != NULL) {
+    while (readdir(d) != NULL)
         n++;
-    }
     closedir(d);
     return n - 2; /* . and .. */
 }
@@ -79,9 +78,8 @@ shear_field_spec fixture_spec(void) {
 static void fill(double *out, int kind, int64_t first, int64_t count, int nx, int ny) {
     for (int64_t i = first; i < first + count; i++) {
         for (int y = 0; y < ny; y++) {
-            for (int x = 0; x < nx; x++) {
+            for (int x = 0; x < nx; x++)
                 *out++ = fixture_pixel(kind, i, y, x);
-            }
         }
     }
 }
@@ -102,9 +100,8 @@ static void write_rows(shear_field_writer *w, const shear_field_spec *s, int64_t
     static const unsigned bits[6] = {SHEAR_COL_X,   SHEAR_COL_Y,      SHEAR_COL_RA,
                                      SHEAR_COL_DEC, SHEAR_COL_WEIGHT, SHEAR_COL_R_GAL};
     for (int i = 0; i < count; i++) {
-        for (int k = 0; k < 6; k++) {
+        for (int k = 0; k < 6; k++)
             values[k][i] = fixture_column(bits[k], first + i);
-        }
         id[i] = (first + i) * 3000000000;
         psf_id[i] = fixture_psf_id(first + i, s->n_psf);
         flags[i] = (int32_t)(first + i) % 3;
@@ -120,9 +117,8 @@ static void write_rows(shear_field_writer *w, const shear_field_spec *s, int64_t
 void fixture_write(const char *path, const shear_field_spec *s) {
     shear_error err = {0};
     shear_field_writer *w = NULL;
-    if (shear_field_create(&w, path, s, &err) != SHEAR_OK) {
+    if (shear_field_create(&w, path, s, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     const size_t samples = (size_t)s->geometry.psf_nx * (size_t)s->geometry.psf_ny;
     double *psf = calloc(samples, sizeof *psf);
     for (int64_t i = s->n_psf - 1; i >= 0; i--) {
@@ -134,9 +130,8 @@ void fixture_write(const char *path, const shear_field_spec *s) {
         const int64_t rest = s->n_stamps - first;
         write_rows(w, s, first, rest < 3 ? (int)rest : 3);
     }
-    if (shear_field_finish(w, &err) != SHEAR_OK) {
+    if (shear_field_finish(w, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
 }
 
 void fixture_write_good(const char *path) {
@@ -166,12 +161,10 @@ static void set_compression(fitsfile *f, const fixture_image *image, int *status
     if (image->compression != 0) {
         long tile[3];
         memcpy(tile, image->tile, sizeof tile);
-        if (tile[0] > 0) {
+        if (tile[0] > 0)
             fits_set_tile_dim(f, image->naxis, tile, status);
-        }
-        if (image->bitpix < 0) {
+        if (image->bitpix < 0)
             fits_set_quantize_level(f, image->lossy ? 64.0f : 0.0f, status);
-        }
     }
 }
 
@@ -217,22 +210,19 @@ void fixture_append(fitsfile *f, const fixture_image *image, const double *pixel
         fits_write_key_dbl(f, "BSCALE", image->bscale, -17, NULL, &status);
         fits_write_key_dbl(f, "BZERO", image->bzero, -17, NULL, &status);
     }
-    if (image->has_blank) {
+    if (image->has_blank)
         fits_write_key_lng(f, "BLANK", image->blank, NULL, &status);
-    }
     fits_set_hdustruc(f, &status);
     long n = 1;
-    for (int k = 0; k < image->naxis; k++) {
+    for (int k = 0; k < image->naxis; k++)
         n *= axes[k];
-    }
     if (image->compression != 0) {
         write_native(f, image->bitpix, n, pixels, &status);
     } else if (image->has_blank) {
         double null = -1e30; /* CFITSIO compares: NaN would equal nothing */
         double *copy = calloc((size_t)n, sizeof *copy);
-        for (long i = 0; i < n; i++) {
+        for (long i = 0; i < n; i++)
             copy[i] = isnan(pixels[i]) ? null : pixels[i];
-        }
         fits_write_imgnull(f, TDOUBLE, 1, n, copy, &null, &status);
         free(copy);
     } else {
@@ -260,9 +250,8 @@ void fixture_write_like(const char *path, const fixture_image *image, int n) {
         one.axes[0] = nx;
         one.axes[1] = ny;
         one.axes[2] = n;
-        if (kind == FIXTURE_PSF) {
+        if (kind == FIXTURE_PSF)
             one.tile[0] = 0;
-        }
         double *pixels = calloc((size_t)nx * (size_t)ny * (size_t)n, sizeof *pixels);
         fill(pixels, kind, 0, kind == FIXTURE_PSF ? 1 : n, nx, ny);
         for (long i = 0; image->bitpix > 0 && i < (long)nx * ny * n; i++) {
@@ -316,9 +305,8 @@ static size_t find_header(const unsigned char *bytes, size_t size, const char *h
     char quoted[80];
     snprintf(quoted, sizeof quoted, "'%s", hdu);
     for (size_t start = 0; start < size; start += BLOCK) {
-        if (!has_key(bytes + start, "SIMPLE") && !has_key(bytes + start, "XTENSION")) {
+        if (!has_key(bytes + start, "SIMPLE") && !has_key(bytes + start, "XTENSION"))
             continue;
-        }
         bool named = hdu[0] == '\0' && start == 0;
         for (size_t i = start; i < size; i += CARD) {
             if (has_key(bytes + i, "EXTNAME")) {
@@ -328,9 +316,8 @@ static size_t find_header(const unsigned char *bytes, size_t size, const char *h
                 break;
             }
         }
-        if (named) {
+        if (named)
             return start;
-        }
     }
     fail_msg("the fixture has no HDU %s", hdu);
     return 0;
@@ -341,9 +328,8 @@ void fixture_patch(const char *path, const char *hdu, const char *key, const cha
     size_t end = 0;
     unsigned char *bytes = fixture_load(path, &size);
     size_t i = find_header(bytes, size, hdu, &end);
-    while (i < end && !has_key(bytes + i, key)) {
+    while (i < end && !has_key(bytes + i, key))
         i += CARD;
-    }
     if (i == end) { /* a new card; END moves on, within its block */
         assert_true((end / CARD + 1) % (BLOCK / CARD) != 0);
         memcpy(bytes + end + CARD, bytes + end, CARD);
@@ -382,24 +368,20 @@ void fixture_expect_open(const char *path, int code, ...) {
     shear_field *field = (shear_field *)1;
     shear_error err = {0};
     const int rc = shear_field_open(&field, path, &err);
-    if (rc != code || err.code != code || field != NULL) {
+    if (rc != code || err.code != code || field != NULL)
         fail_msg("%s: code %d instead of %d (%s)", path, rc, code, err.message);
-    }
-    if (getenv("SHOW_MESSAGES") != NULL) {
+    if (getenv("SHOW_MESSAGES") != NULL)
         print_message("%s [%s]\n", err.message, err.advice);
-    }
     const char *slash = strrchr(path, '/');
     const char *base = slash != NULL ? slash + 1 : path;
-    if (strstr(err.message, base) == NULL) {
+    if (strstr(err.message, base) == NULL)
         fail_msg("the message does not name the file: %s", err.message);
-    }
     va_list words;
     va_start(words, code);
     for (const char *word = va_arg(words, const char *); word != NULL;
          word = va_arg(words, const char *)) {
-        if (strstr(err.message, word) == NULL) {
+        if (strstr(err.message, word) == NULL)
             fail_msg("the message does not say '%s': %s", word, err.message);
-        }
     }
     va_end(words);
 }

@@ -46,15 +46,13 @@ static void second_derivatives(int n, const double *f, double *e) {
     for (int pivot = 0; pivot < n; pivot++) {
         for (int i = 0; i < n; i++) {
             const double factor = i == pivot ? 0.0 : m[i * n + pivot] / m[pivot * n + pivot];
-            for (int j = pivot; j < n && factor != 0.0; j++) {
+            for (int j = pivot; j < n && factor != 0.0; j++)
                 m[i * n + j] -= factor * m[pivot * n + j];
-            }
             e[i] -= factor * e[pivot];
         }
     }
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         e[i] /= m[i * n + i];
-    }
     free(m);
 }
 
@@ -81,18 +79,16 @@ static void line_slopes(enum shear_interpolation method, int n, int step, const 
                         const double *f, double *e) {
     double *line = numbers(2 * (size_t)n);
     for (int from = 0, to; from < n; from = to + 1) {
-        for (to = from; to < n && marks[to * step] != -INFINITY; to++) {
+        for (to = from; to < n && marks[to * step] != -INFINITY; to++)
             line[to] = f[to * step];
-        }
         if (method == SHEAR_INTERP_SPLINE || method == SHEAR_INTERP_LOG_SPLINE) {
             second_derivatives(to - from, line + from, line + n + from);
         } else {
             derivatives(to - from, line + from, line + n + from);
         }
     }
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         e[i * step] = line[n + i];
-    }
     free(line);
 }
 
@@ -106,16 +102,14 @@ typedef struct surface {
 } surface;
 
 static void fill_slopes(surface *s) {
-    for (int y = 0; y < s->ny; y++) {
+    for (int y = 0; y < s->ny; y++)
         line_slopes(s->method, s->nx, 1, s->f + y * s->nx, s->f + y * s->nx, s->fx + y * s->nx);
-    }
     for (int x = 0; x < s->nx; x++) {
         line_slopes(s->method, s->ny, s->nx, s->f + x, s->f + x, s->fy + x);
         line_slopes(s->method, s->ny, s->nx, s->f + x, s->fx + x, s->fxy + x);
     }
-    for (int y = 0; y < s->ny; y++) {
+    for (int y = 0; y < s->ny; y++)
         line_slopes(s->method, s->nx, 1, s->f + y * s->nx, s->fy + y * s->nx, s->fyx + y * s->nx);
-    }
 }
 
 /* The surface t of the way from pixel (x, y) to the next in x, and u in y. Beyond the last pixel it
@@ -132,9 +126,8 @@ static double surface_at(const surface *s, int x, int y, double t, double u) {
     for (int row = 0; row <= (u > 0.0); row++) {
         const int a = corner[row][0];
         const int b = t > 0.0 ? corner[row][1] : a;
-        if (s->f[a] == -INFINITY || s->f[b] == -INFINITY) {
+        if (s->f[a] == -INFINITY || s->f[b] == -INFINITY)
             return -INFINITY;
-        }
         f[row] = between(across, t, s->f[a], s->f[b], s->fx[a], s->fx[b]);
         e[row] = between(across, t, s->fy[a], s->fy[b], 0.5 * (s->fxy[a] + s->fyx[a]),
                          0.5 * (s->fxy[b] + s->fyx[b]));
@@ -154,9 +147,8 @@ static double *prepare(const double *pixels, size_t n, enum shear_interpolation 
         has_zero = has_zero || out[i] == 0.0;
     }
     const double tiny = zeros == SHEAR_ZEROS_FLOOR && has_zero ? 1e-12 * peak : 0.0;
-    for (size_t i = 0; i < n && is_log(method); i++) {
+    for (size_t i = 0; i < n && is_log(method); i++)
         out[i] = log(fmax(out[i], tiny));
-    }
     return out;
 }
 
@@ -230,9 +222,8 @@ static modes modes_new(int mx, int my) {
 static double complex *waves(int period) {
     double complex *wave = calloc((size_t)period, sizeof *wave);
     assert_non_null(wave);
-    for (int j = 0; j < period; j++) {
+    for (int j = 0; j < period; j++)
         wave[j] = cexp(-2.0 * I * M_PI * j / period);
-    }
     return wave;
 }
 
@@ -254,9 +245,8 @@ static void image_power(const double *image, int nx, int ny, int period_x, int p
         }
         for (int jy = -out->my; jy <= out->my; jy++) {
             double complex f = 0.0;
-            for (int y = 0; y < ny; y++) {
+            for (int y = 0; y < ny; y++)
                 f += column[y] * wave_y[((jy * y) % period_y + period_y) % period_y];
-            }
             *mode(out, jx, jy) = creal(f) * creal(f) + cimag(f) * cimag(f);
         }
     }
@@ -291,9 +281,8 @@ static double psf_power(const shear_plan_info *info, const shear_settings *setti
     for (int jy = -out->my; jy <= out->my; jy++) {
         for (int jx = -out->mx; jx <= out->mx; jx++) {
             *mode(out, jx, jy) /= peak;
-            if (*mode(out, jx, jy) < settings->psf_threshold) {
+            if (*mode(out, jx, jy) < settings->psf_threshold)
                 cut = fmin(cut, hypot(2.0 * M_PI * jx / g->nx, 2.0 * M_PI * jy / g->ny));
-            }
         }
     }
     free(fine);
@@ -312,9 +301,8 @@ static void add_moments(shear_row *row, const shear_plan_info *info, const modes
             const double kx = 2.0 * M_PI * jx / info->geometry.nx;
             const double ky = 2.0 * M_PI * jy / info->geometry.ny;
             const double k2 = kx * kx + ky * ky;
-            if (sqrt(k2) >= cut * (1.0 - 1e-12)) {
+            if (sqrt(k2) >= cut * (1.0 - 1e-12))
                 continue;
-            }
             const double t = exp(-beta * beta * k2) / *mode(psf, jx, jy);
             const double p = sign * t * *mode(power, jx, jy) / points;
             row->m20 += kx * kx * p;
@@ -343,9 +331,8 @@ static void take_plateau_off(const modes *power, const shear_plan_info *info) {
             }
         }
     }
-    for (int i = 0; i < (2 * power->mx + 1) * (2 * power->my + 1); i++) {
+    for (int i = 0; i < (2 * power->mx + 1) * (2 * power->my + 1); i++)
         power->at[i] -= sum / n;
-    }
 }
 
 static void add_stamp(shear_row *row, const shear_plan_info *info, const shear_settings *settings,
@@ -357,9 +344,8 @@ static void add_stamp(shear_row *row, const shear_plan_info *info, const shear_s
     modes power = modes_new(psf->mx, psf->my);
     apply_filter(fine, level, info);
     image_power(fine, info->fine_nx, info->fine_ny, info->fine_nx, info->fine_ny, &power);
-    if (settings->shot_noise == SHEAR_SHOT_PLATEAU) {
+    if (settings->shot_noise == SHEAR_SHOT_PLATEAU)
         take_plateau_off(&power, info);
-    }
     add_moments(row, info, &power, psf, cut, sign);
     free(power.at);
     free(fine);
@@ -395,9 +381,8 @@ static double third(const double *pixels, int nx, int ny, bool along_x) {
 /* What the galaxy stamp loses; `own`: what the noise stamp loses. */
 static double level_of(const double *noise, int nx, int ny, double *own) {
     double mean = 0.0;
-    for (int i = 0; i < nx * ny; i++) {
+    for (int i = 0; i < nx * ny; i++)
         mean += noise[i] / (nx * ny);
-    }
     *own = mean + hypot(third(noise, nx, ny, true), third(noise, nx, ny, false));
     return mean;
 }
@@ -413,13 +398,11 @@ shear_row oracle_measure(const shear_plan_info *info, const shear_settings *sett
     *k_cut = psf_power(info, settings, psf, &of_psf);
     double level = 0.0;
     double own = 0.0;
-    if (settings->background != SHEAR_BACKGROUND_KEEP && info->filter != SHEAR_FILTER_NONE) {
+    if (settings->background != SHEAR_BACKGROUND_KEEP && info->filter != SHEAR_FILTER_NONE)
         level = level_of(noise, info->geometry.nx, info->geometry.ny, &own);
-    }
     add_stamp(&row, info, settings, galaxy, level, &of_psf, *k_cut, 1.0);
-    if (settings->noise_correction) {
+    if (settings->noise_correction)
         add_stamp(&row, info, settings, noise, own, &of_psf, *k_cut, -1.0);
-    }
     row.n1 = -(row.m20 - row.m02) / 2.0;
     row.n2 = -row.m11;
     row.d = row.m20 + row.m02 - info->beta_px * info->beta_px / 2.0 * row.m4;

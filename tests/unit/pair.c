@@ -33,9 +33,8 @@ const char *const pair_methods[PAIR_METHODS] = {
 
 void pair_set(pair *p, const char *name, const char *value) {
     shear_error err = {0};
-    if (shear_settings_set(&p->settings, name, value, &err) != SHEAR_OK) {
+    if (shear_settings_set(&p->settings, name, value, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
 }
 
 void pair_draw(pair *p, double r_psf, uint64_t seed) {
@@ -63,9 +62,8 @@ static int try_info(const pair *p, shear_row *row, shear_plan_info *info, shear_
         &plan,
         &(shear_plan_request){.settings = &p->settings, .geometry = p->geometry, .psf = p->psf},
         err);
-    if (code == SHEAR_OK) {
+    if (code == SHEAR_OK)
         code = shear_workspace_new(&ws, plan, err);
-    }
     if (code == SHEAR_OK) {
         const shear_stamps stamps = {.count = 1,
                                      .nx = p->geometry.nx,
@@ -88,9 +86,8 @@ int pair_try(const pair *p, shear_row *row, shear_error *err) {
 shear_row pair_measure_info(const pair *p, shear_plan_info *info) {
     shear_row row = {0};
     shear_error err = {0};
-    if (try_info(p, &row, info, &err) != SHEAR_OK) {
+    if (try_info(p, &row, info, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     assert_int_equal(row.flags, 0);
     return row;
 }
@@ -111,9 +108,8 @@ void draw_blobs(double *out, int nx, int ny, int n, double sigma, uint64_t seed)
     const size_t pixels = (size_t)nx * (size_t)ny;
     double *one = calloc(pixels, sizeof *one);
     assert_non_null(one);
-    for (size_t i = 0; i < pixels; i++) {
+    for (size_t i = 0; i < pixels; i++)
         out[i] = 0.0;
-    }
     for (int b = 0; b < n; b++) {
         const double s2 = sigma * sigma * (0.8 + 0.4 * uniform(&seed));
         const gaussian blob = {.amplitude = 0.5 + uniform(&seed),
@@ -123,9 +119,8 @@ void draw_blobs(double *out, int nx, int ny, int n, double sigma, uint64_t seed)
                                .x0 = nx * (0.42 + 0.16 * uniform(&seed)),
                                .y0 = ny * (0.42 + 0.16 * uniform(&seed))};
         gaussian_draw(&blob, nx, ny, 1, one);
-        for (size_t i = 0; i < pixels; i++) {
+        for (size_t i = 0; i < pixels; i++)
             out[i] += one[i];
-        }
     }
     free(one);
 }

@@ -19,9 +19,8 @@ static void print_table(const msg_table *table);
 
 static void print_names(const char *const *names) {
     printf(",\"names\":[");
-    for (int i = 0; names[i]; i++) {
+    for (int i = 0; names[i]; i++)
         printf("%s\"%s\"", i > 0 ? "," : "", names[i]);
-    }
     printf("]");
 }
 
@@ -39,9 +38,8 @@ static void print_member(const msg_member *m) {
            m->name, types[m->type], m->flags & MSG_REQUIRED ? "true" : "false",
            m->flags & MSG_NULLABLE ? "true" : "false", m->flags & MSG_PLAIN ? "true" : "false",
            m->flags & MSG_ABSOLUTE ? "true" : "false", m->min, m->max, m->item_max, m->fallback);
-    if (m->names != NULL) {
+    if (m->names != NULL)
         print_names(m->names);
-    }
     if (m->table != NULL) {
         printf(",\"table\":\"%s\",\"members\":", m->table->name);
         print_table(m->table);
@@ -118,9 +116,8 @@ static void print_settings(void) {
         printf(",\"min\":%.17g,\"max\":%.17g", table[i].min, table[i].max);
         const char *word = table[i].has_auto ? shear_setting_auto(&table[i]) : "";
         printf(",\"auto\":%s,\"word\":\"%s\"", strcmp(word, "auto") == 0 ? "true" : "false", word);
-        if (table[i].choices != NULL) {
+        if (table[i].choices != NULL)
             print_names(table[i].choices);
-        }
         printf("}");
         free(value);
     }
@@ -154,9 +151,8 @@ static int check_message(const char *text, enum sheard_message_kind kind, int me
                          sheard_rpc_error *error) {
     sheard_message message;
     int rc = sheard_message_parse(&message, text, strlen(text), error);
-    if (rc == SHEARD_RPC_OK && message.kind != kind) {
+    if (rc == SHEARD_RPC_OK && message.kind != kind)
         rc = sheard_rpc_fail(error, SHEARD_RPC_BAD_REPLY, NULL, "another kind of message");
-    }
     if (rc == SHEARD_RPC_OK && kind == SHEARD_MESSAGE_REPLY) {
         sheard_reply reply;
         rc = sheard_message_reply(&message, method, &reply, error);
@@ -164,9 +160,8 @@ static int check_message(const char *text, enum sheard_message_kind kind, int me
     }
     const bool unknown = (kind == SHEARD_MESSAGE_NOTICE && message.notice < 0) ||
                          (kind == SHEARD_MESSAGE_ERROR && message.error.code == SHEARD_RPC_UNKNOWN);
-    if (rc == SHEARD_RPC_OK && unknown) {
+    if (rc == SHEARD_RPC_OK && unknown)
         rc = sheard_rpc_fail(error, SHEARD_RPC_UNKNOWN, NULL, "an unknown notification or code");
-    }
     sheard_message_deinit(&message);
     return rc;
 }
@@ -186,18 +181,14 @@ static int check_side_file(const char *text, sheard_rpc_error *error) {
 }
 
 static int check(const char *kind, int method, const char *text, sheard_rpc_error *error) {
-    if (strcmp(kind, "request") == 0) {
+    if (strcmp(kind, "request") == 0)
         return check_request(text, method, error);
-    }
-    if (strcmp(kind, "reply") == 0) {
+    if (strcmp(kind, "reply") == 0)
         return check_message(text, SHEARD_MESSAGE_REPLY, method, error);
-    }
-    if (strcmp(kind, "error") == 0) {
+    if (strcmp(kind, "error") == 0)
         return check_message(text, SHEARD_MESSAGE_ERROR, method, error);
-    }
-    if (strcmp(kind, "notification") == 0) {
+    if (strcmp(kind, "notification") == 0)
         return check_message(text, SHEARD_MESSAGE_NOTICE, method, error);
-    }
     return strcmp(kind, "job-file") == 0 ? check_job_file(text, error)
                                          : check_side_file(text, error);
 }
@@ -214,9 +205,8 @@ static int check_lines(void) {
         }
         *text++ = '\0';
         char *method = strchr(line, ' ');
-        if (method != NULL) {
+        if (method != NULL)
             *method++ = '\0';
-        }
         sheard_rpc_error error = {0};
         if (check(line, method != NULL ? sheard_method_find(method) : -1, text, &error) ==
             SHEARD_RPC_OK) {
@@ -231,12 +221,10 @@ static int check_lines(void) {
 
 int main(int argc, char **argv) {
     const char *what = argc == 2 ? argv[1] : "";
-    if (strcmp(what, "tables") == 0) {
+    if (strcmp(what, "tables") == 0)
         return tables();
-    }
-    if (strcmp(what, "check") == 0) {
+    if (strcmp(what, "check") == 0)
         return check_lines();
-    }
     fprintf(stderr, "usage: protocol_probe tables | check\n");
     return 2;
 }

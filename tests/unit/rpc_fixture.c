@@ -49,9 +49,8 @@ static char *some_text(size_t longest, unsigned flags, uint64_t *seed) {
     strcpy(text, flags & MSG_ABSOLUTE ? "/" : "x");
     for (size_t i = 0; i < n; i++) {
         const char *letter = letters[next_random(seed) % n_letters];
-        if (longest == 0 || strlen(text) + strlen(letter) <= longest) {
+        if (longest == 0 || strlen(text) + strlen(letter) <= longest)
             strcat(text, letter);
-        }
     }
     return text;
 }
@@ -75,9 +74,8 @@ static char *some_settings(uint64_t *seed) {
                                         "noise-correction=false\n",
                                         "shot-noise=none\n"};
     char text[400] = "";
-    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++)
         strcat(text, coin(seed) ? lines[i] : "");
-    }
     return text[0] != '\0' ? strdup(text) : NULL;
 }
 
@@ -101,9 +99,8 @@ static void fill_list(void *message, const msg_member *m, uint64_t *seed) {
 
 static int some_name(const char *const *names, uint64_t *seed) {
     int n = 0;
-    while (names[n] != NULL) {
+    while (names[n] != NULL)
         n++;
-    }
     return (int)(next_random(seed) % (unsigned)n);
 }
 
@@ -174,9 +171,8 @@ static void fill_member(void *message, const msg_member *m, uint64_t *seed) {
 
 void fill(void *message, const msg_table *table, uint64_t *seed) {
     msg_init(message, table);
-    for (size_t i = 0; i < table->n; i++) {
+    for (size_t i = 0; i < table->n; i++)
         fill_member(message, &table->members[i], seed);
-    }
 }
 
 static void drop_path(const char **path) {
@@ -200,9 +196,8 @@ static void one_source(sheard_msg_source *s, uint64_t *seed) {
             }
         }
     }
-    if (separate) {
+    if (separate)
         drop_path(&s->path);
-    }
 }
 
 void fill_params(sheard_params *params, int method, uint64_t *seed) {
@@ -221,15 +216,13 @@ void fill_params(sheard_params *params, int method, uint64_t *seed) {
 /* ---- Comparing ---- */
 
 static void same_text(const char *name, const char *a, const char *b) {
-    if ((a == NULL) != (b == NULL) || (a != NULL && strcmp(a, b) != 0)) {
+    if ((a == NULL) != (b == NULL) || (a != NULL && strcmp(a, b) != 0))
         fail_msg("%s: \"%s\" is not \"%s\"", name, a ? a : "(NULL)", b ? b : "(NULL)");
-    }
 }
 
 static void same_real(const char *name, double a, double b) {
-    if (!(isnan(a) && isnan(b)) && memcmp(&a, &b, sizeof a) != 0) {
+    if (!(isnan(a) && isnan(b)) && memcmp(&a, &b, sizeof a) != 0)
         fail_msg("%s: %.17g is not %.17g", name, a, b);
-    }
 }
 
 static void same_list(const void *a, const void *b, const msg_member *m) {
@@ -237,9 +230,8 @@ static void same_list(const void *a, const void *b, const msg_member *m) {
     const size_t n_b = msg_count(b, m);
     const char *list_a = msg_pointer(a, m->offset);
     const char *list_b = msg_pointer(b, m->offset);
-    if (n != n_b) {
+    if (n != n_b)
         fail_msg("%s: %zu elements are not %zu", m->name, n, n_b);
-    }
     for (size_t i = 0; i < n; i++) {
         if (m->type == MSG_INTS) {
             assert_memory_equal(list_a + 8 * i, list_b + 8 * i, 8);
@@ -253,9 +245,8 @@ static void same_list(const void *a, const void *b, const msg_member *m) {
 }
 
 static void same_bytes(const char *name, const void *a, const void *b, size_t n) {
-    if (memcmp(a, b, n) != 0) {
+    if (memcmp(a, b, n) != 0)
         fail_msg("%s: differs", name);
-    }
 }
 
 static void same_member(const void *a, const void *b, const msg_member *m) {
@@ -291,7 +282,6 @@ static void same_member(const void *a, const void *b, const msg_member *m) {
 }
 
 void assert_same(const void *a, const void *b, const msg_table *table) {
-    for (size_t i = 0; i < table->n; i++) {
+    for (size_t i = 0; i < table->n; i++)
         same_member(a, b, &table->members[i]);
-    }
 }

@@ -25,9 +25,8 @@ bool scarce_end(void) {
 }
 
 static bool refuse(void) {
-    if (left == 0 || --left > 0) {
+    if (left == 0 || --left > 0)
         return false;
-    }
     left = for_ever ? 1 : 0;
     refused = true;
     return true;

@@ -38,9 +38,8 @@ static void on_request(void *context, const server_request *request) {
     int rc = SHEARD_RPC_OK;
     switch (request->request->method) {
     case SHEARD_METHOD_METRICS:
-        if (!f->hold) {
+        if (!f->hold)
             answer(f, request->handle);
-        }
         break;
     case SHEARD_METHOD_SUBSCRIBE:
         rc = server_subscribe(f->s, request->handle.connection, what, &reply.subscribe, &error);
@@ -61,9 +60,8 @@ static void on_request(void *context, const server_request *request) {
 
 static void on_closed(void *context, uint64_t connection) {
     fixture *f = context;
-    if (f->n_closed < FX_REQUESTS) {
+    if (f->n_closed < FX_REQUESTS)
         f->closed[f->n_closed++] = connection;
-    }
 }
 
 static bool is_admin(void *context, const access_peer *peer) {
@@ -103,9 +101,8 @@ void fx_deinit(fixture *f) {
 void fx_open(fixture *f) {
     shear_error err = {0};
     f->done = false;
-    if (server_open(&f->s, &f->loop, &f->options, &err) != SHEAR_OK) {
+    if (server_open(&f->s, &f->loop, &f->options, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
 }
 
 void fx_close(fixture *f, int64_t flush_ms) {
@@ -123,9 +120,8 @@ int fx_setup(void **state) {
 
 int fx_teardown(void **state) {
     fixture *f = *state;
-    if (f->s != NULL) {
+    if (f->s != NULL)
         fx_close(f, 0);
-    }
     fx_deinit(f);
     free(f);
     return 0;
@@ -197,9 +193,8 @@ sheard_message cl_next(fixture *f, client *c) {
         abort();
     }
     const size_t n = (size_t)(end - c->text);
-    if (sheard_message_parse(&message, c->text, n, &error) != SHEARD_RPC_OK) {
+    if (sheard_message_parse(&message, c->text, n, &error) != SHEARD_RPC_OK)
         fail_msg("%s: %.*s", error.message, (int)n, c->text);
-    }
     c->n -= n + 1;
     memmove(c->text, end + 1, c->n);
     return message;
@@ -216,9 +211,8 @@ int64_t cl_error(fixture *f, client *c, int code) {
 
 int64_t cl_reply(fixture *f, client *c) {
     sheard_message m = cl_next(f, c);
-    if (m.kind != SHEARD_MESSAGE_REPLY) {
+    if (m.kind != SHEARD_MESSAGE_REPLY)
         fail_msg("not a reply: %s", m.error.message);
-    }
     const int64_t id = m.id.integer;
     sheard_message_deinit(&m);
     return id;

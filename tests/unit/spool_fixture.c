@@ -74,9 +74,8 @@ int fixture_teardown(void **state) {
 void fixture_open(spool_fixture *f) {
     shear_error err = {0};
     const spool_callbacks callbacks = {on_room, on_found, on_log, f, NULL};
-    if (spool_open(&f->spool, &f->loop, f->directory, &f->tuning, &callbacks, &err) != SHEAR_OK) {
+    if (spool_open(&f->spool, &f->loop, f->directory, &f->tuning, &callbacks, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
 }
 
 void fixture_close(spool_fixture *f) {
@@ -106,9 +105,8 @@ static bool run(spool_fixture *f, uint64_t ms, fixture_condition *condition, con
 }
 
 void fixture_run_until(spool_fixture *f, fixture_condition *condition, const void *argument) {
-    if (!run(f, patience_ms, condition, argument)) {
+    if (!run(f, patience_ms, condition, argument))
         fail_msg("waited in vain; messages so far: %s", f->log);
-    }
 }
 
 void fixture_run_for(spool_fixture *f, int64_t ms) {
@@ -170,9 +168,8 @@ int fixture_count(const spool_fixture *f, const char *folder) {
     int n = 0;
     DIR *dir = opendir(fixture_path(f, folder));
     assert_non_null(dir);
-    for (const struct dirent *e = readdir(dir); e != NULL; e = readdir(dir)) {
+    for (const struct dirent *e = readdir(dir); e != NULL; e = readdir(dir))
         n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
-    }
     closedir(dir);
     return n;
 }
@@ -187,9 +184,8 @@ void fixture_end(spool_fixture *f, int found, bool good, const char *report) {
 
 const found_file *fixture_find(const spool_fixture *f, const char *name) {
     for (int i = 0; i < f->n_found; i++) {
-        if (strcmp(f->found[i].name, name) == 0) {
+        if (strcmp(f->found[i].name, name) == 0)
             return &f->found[i];
-        }
     }
     return NULL;
 }

@@ -66,9 +66,8 @@ int64_t fx_leave(fixture *f, int64_t n) {
             jobs += next.kept;
         }
         store_removal_deinit(&next);
-        if (none) {
+        if (none)
             break;
-        }
     }
     return jobs;
 }
@@ -142,12 +141,10 @@ char *fx_old_sums(unsigned seed) {
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     fprintf(out, "shear-sums 1 %d %u %u", SHEAR_BLOCK, SHEAR_BLOCK - flagged, flagged);
-    for (int i = 1; i < FLAGS; i++) {
+    for (int i = 1; i < FLAGS; i++)
         fputs(" 0", out);
-    }
-    for (int i = 0; i < TERMS; i++) {
+    for (int i = 0; i < TERMS; i++)
         fprintf(out, " %x%0*d", 1000u * seed + (unsigned)i + 1u, (int)ZEROS, 0);
-    }
     fclose(out);
     return text;
 }

@@ -12,9 +12,8 @@ static int find_in(model *m, int64_t id, int state, model_job **job) {
 
 static bool has_room(const model *m) {
     int64_t n = 0;
-    for (int64_t id = 1; id <= m->n_jobs; id++) {
+    for (int64_t id = 1; id <= m->n_jobs; id++)
         n += m->jobs[id].kept && m->jobs[id].state <= STORE_WAITING;
-    }
     return n < m->max_unfinished;
 }
 
@@ -25,9 +24,8 @@ static void move(model *m, model_job *job, int state, int64_t now_ms) {
     job->finished_ms = state >= STORE_DONE ? now_ms : 0;
     m->totals.failed += state == STORE_FAILED;
     m->totals.cancelled += state == STORE_CANCELLED;
-    if (state == STORE_DONE || state == STORE_CANCELLED) {
+    if (state == STORE_DONE || state == STORE_CANCELLED)
         job->checkpoint = MODEL_NONE;
-    }
 }
 
 int model_submit(model *m, const model_job *spec, int64_t *id, bool *known) {
@@ -43,9 +41,8 @@ int model_submit(model *m, const model_job *spec, int64_t *id, bool *known) {
             return same ? SHEAR_OK : STORE_KEY_REUSED;
         }
     }
-    if (!has_room(m)) {
+    if (!has_room(m))
         return STORE_QUEUE_FULL;
-    }
     *id = ++m->n_jobs;
     m->jobs[*id] = *spec;
     m->jobs[*id].kept = true;
@@ -60,9 +57,8 @@ int64_t model_next(model *m, int64_t now_ms) {
     int64_t best = 0;
     for (int64_t id = 1; id <= m->n_jobs; id++) {
         model_job *job = &m->jobs[id];
-        if (job->kept && job->state == STORE_WAITING && job->not_before_ms <= now_ms) {
+        if (job->kept && job->state == STORE_WAITING && job->not_before_ms <= now_ms)
             move(m, job, STORE_QUEUED, now_ms);
-        }
         if (job->kept && job->state == STORE_QUEUED &&
             (best == 0 || job->priority > m->jobs[best].priority)) {
             best = id;
@@ -95,9 +91,8 @@ int model_learn(model *m, int64_t id, int field, int content, int64_t *duplicate
     const int code = find_in(m, id, STORE_RUNNING, &job);
     *duplicate_of = 0;
     if (code == SHEAR_OK) {
-        if (content != MODEL_NONE && job->content != MODEL_NONE && content != job->content) {
+        if (content != MODEL_NONE && job->content != MODEL_NONE && content != job->content)
             job->checkpoint = MODEL_NONE;
-        }
         job->field = field != MODEL_NONE ? field : job->field;
         job->content = content != MODEL_NONE ? content : job->content;
         *duplicate_of = counted_before(m, job);
@@ -108,12 +103,10 @@ int model_learn(model *m, int64_t id, int field, int content, int64_t *duplicate
 int model_checkpoint(model *m, int64_t id, int64_t next_block) {
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
-    if (code == SHEAR_OK && job->content == MODEL_NONE) {
+    if (code == SHEAR_OK && job->content == MODEL_NONE)
         return STORE_WRONG_STATE;
-    }
-    if (code == SHEAR_OK) {
+    if (code == SHEAR_OK)
         job->checkpoint = next_block;
-    }
     return code;
 }
 
@@ -121,18 +114,16 @@ int model_finish(model *m, int64_t id, bool sums, int64_t now_ms, store_finished
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
     *end = (store_finished){0};
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (job->cancel_asked) {
         move(m, job, STORE_CANCELLED, now_ms);
         *end = (store_finished){.state = STORE_CANCELLED};
         return SHEAR_OK;
     }
     const int64_t of = counted_before(m, job);
-    if (job->field == MODEL_NONE || job->content == MODEL_NONE || (of == 0 && !sums)) {
+    if (job->field == MODEL_NONE || job->content == MODEL_NONE || (of == 0 && !sums))
         return STORE_WRONG_STATE;
-    }
     move(m, job, STORE_DONE, now_ms);
     job->outcome = of != 0 ? STORE_DUPLICATE : STORE_COUNTED;
     job->duplicate_of = of;
@@ -180,12 +171,10 @@ int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms,
 int model_cancel(model *m, int64_t id, int64_t now_ms, enum store_state *state) {
     model_job *job = find(m, id);
     *state = STORE_QUEUED;
-    if (job == NULL) {
+    if (job == NULL)
         return STORE_NOT_FOUND;
-    }
-    if (job->state == STORE_DONE || job->state == STORE_FAILED || job->state == STORE_RETRACTED) {
+    if (job->state == STORE_DONE || job->state == STORE_FAILED || job->state == STORE_RETRACTED)
         return STORE_WRONG_STATE;
-    }
     if (job->state == STORE_RUNNING) {
         job->cancel_asked = true;
     } else if (job->state != STORE_CANCELLED) {
@@ -197,15 +186,12 @@ int model_cancel(model *m, int64_t id, int64_t now_ms, enum store_state *state) 
 
 int model_retry(model *m, int64_t id) {
     model_job *job = find(m, id);
-    if (job == NULL) {
+    if (job == NULL)
         return STORE_NOT_FOUND;
-    }
-    if (job->state != STORE_FAILED && job->state != STORE_CANCELLED) {
+    if (job->state != STORE_FAILED && job->state != STORE_CANCELLED)
         return STORE_WRONG_STATE;
-    }
-    if (!has_room(m)) {
+    if (!has_room(m))
         return STORE_QUEUE_FULL;
-    }
     move(m, job, STORE_QUEUED, 0);
     job->attempts = 0;
     job->failures = 0;
@@ -218,21 +204,18 @@ static void take_back(model *m, int64_t at) {
     model_job *job = &m->jobs[m->contributions[at].job];
     job->state = STORE_RETRACTED;
     job->outcome = STORE_NO_OUTCOME;
-    for (int64_t i = at; i + 1 < m->n_contributions; i++) {
+    for (int64_t i = at; i + 1 < m->n_contributions; i++)
         m->contributions[i] = m->contributions[i + 1];
-    }
     m->n_contributions--;
     m->totals.retracted++;
 }
 
 int model_retract(model *m, int64_t id) {
     const model_job *job = find(m, id);
-    if (job == NULL) {
+    if (job == NULL)
         return STORE_NOT_FOUND;
-    }
-    if (job->state == STORE_RETRACTED) {
+    if (job->state == STORE_RETRACTED)
         return SHEAR_OK;
-    }
     for (int64_t i = 0; i < m->n_contributions; i++) {
         if (m->contributions[i].job == id) {
             take_back(m, i);
@@ -274,18 +257,14 @@ int model_forget(model *m, int field, int settings, model_forgotten *out) {
     for (int pass = 0; pass < 2; pass++) { /* all or nothing: first whether it may be */
         for (int s = 0; s < SETTINGS; s++) {
             bool counted = false;
-            for (int64_t i = 0; i < m->n_contributions; i++) {
+            for (int64_t i = 0; i < m->n_contributions; i++)
                 counted |= m->contributions[i].field == field && m->contributions[i].settings == s;
-            }
-            if (!counted || (settings != MODEL_NONE && settings != s)) {
+            if (!counted || (settings != MODEL_NONE && settings != s))
                 continue;
-            }
-            if (pass == 0 && is_pending(m, field, settings)) {
+            if (pass == 0 && is_pending(m, field, settings))
                 return STORE_WRONG_STATE;
-            }
-            if (pass == 1) {
+            if (pass == 1)
                 forget_row(m, field, s, out);
-            }
         }
     }
     return out->rows > 0 ? SHEAR_OK : STORE_NOT_FOUND;
@@ -309,9 +288,8 @@ int64_t model_retire(model *m, const store_retention *rule) {
     int64_t gone = 0;
     int64_t n = 0;
     for (model_job *job = oldest(m, &n); job != NULL && gone < rule->batch; job = oldest(m, &n)) {
-        if (job->finished_ms >= rule->finished_before_ms && (rule->keep < 0 || n <= rule->keep)) {
+        if (job->finished_ms >= rule->finished_before_ms && (rule->keep < 0 || n <= rule->keep))
             break;
-        }
         job->kept = false;
         gone++;
     }
@@ -322,8 +300,7 @@ int64_t model_retire(model *m, const store_retention *rule) {
 void model_restart(model *m, int64_t now_ms) {
     enum store_state state = STORE_QUEUED;
     for (int64_t id = 1; id <= m->n_jobs; id++) {
-        if (m->jobs[id].kept && m->jobs[id].state == STORE_RUNNING) {
+        if (m->jobs[id].kept && m->jobs[id].state == STORE_RUNNING)
             model_put_back(m, id, true, now_ms, &state);
-        }
     }
 }

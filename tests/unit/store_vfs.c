@@ -28,13 +28,11 @@ static sqlite3_file *real(sqlite3_file *f) {
 
 /* Does this call fail? Counted in any case. */
 static bool fails(bool is_write) {
-    if (plan.fault == VFS_READ_ERROR) {
+    if (plan.fault == VFS_READ_ERROR)
         return false;
-    }
     plan.calls++;
-    if (plan.fault == VFS_SOUND || plan.calls < plan.at) {
+    if (plan.fault == VFS_SOUND || plan.calls < plan.at)
         return false;
-    }
     const bool hit = plan.fault == VFS_IO_ERROR ? plan.calls == plan.at
                      : plan.fault == VFS_FULL   ? is_write
                                                 : true;
@@ -57,15 +55,12 @@ static bool copy_file(const char *from, const char *to) {
     FILE *in = fopen(from, "rb");
     FILE *out = in != NULL ? fopen(to, "wb") : NULL;
     bool good = out != NULL;
-    while (good && (n = fread(buffer, 1, sizeof buffer, in)) > 0) {
+    while (good && (n = fread(buffer, 1, sizeof buffer, in)) > 0)
         good = fwrite(buffer, 1, n, out) == n;
-    }
-    if (out != NULL) {
+    if (out != NULL)
         good = fclose(out) == 0 && good;
-    }
-    if (in != NULL) {
+    if (in != NULL)
         fclose(in);
-    }
     return good;
 }
 
@@ -83,9 +78,8 @@ static int f_read(sqlite3_file *f, void *to, int n, sqlite3_int64 at) {
 
 static int f_write(sqlite3_file *f, const void *from, int n, sqlite3_int64 at) {
     if (fails(true)) {
-        if (!is_dead() && n > 1) {
+        if (!is_dead() && n > 1)
             real(f)->pMethods->xWrite(real(f), from, n / 2, at);
-        }
         return plan.fault == VFS_FULL ? SQLITE_FULL : SQLITE_IOERR_WRITE;
     }
     return real(f)->pMethods->xWrite(real(f), from, n, at);
@@ -100,9 +94,8 @@ static int f_sync(sqlite3_file *f, int flags) {
     const char *path = ((file *)(void *)f)->path;
     (void)flags;
     plan.syncs++;
-    if (fails(false)) {
+    if (fails(false))
         return SQLITE_IOERR_FSYNC;
-    }
     name_synced(synced, sizeof synced, path);
     return !plan.remember || path[0] == '\0' || copy_file(path, synced) ? SQLITE_OK
                                                                         : SQLITE_IOERR_FSYNC;
@@ -159,9 +152,8 @@ static int v_open(sqlite3_vfs *vfs, sqlite3_filename name, sqlite3_file *f, int 
     (void)vfs;
     me->base.pMethods = NULL;
     snprintf(me->path, sizeof me->path, "%s", name != NULL ? name : "");
-    if (is_dead()) {
+    if (is_dead())
         return SQLITE_CANTOPEN;
-    }
     const int rc = real_vfs->xOpen(real_vfs, name, real(f), flags, out);
     me->base.pMethods = real(f)->pMethods != NULL ? &methods : NULL;
     return rc;
@@ -170,9 +162,8 @@ static int v_open(sqlite3_vfs *vfs, sqlite3_filename name, sqlite3_file *f, int 
 static int v_delete(sqlite3_vfs *vfs, const char *name, int sync_directory) {
     char synced[600];
     (void)vfs;
-    if (fails(false)) {
+    if (fails(false))
         return SQLITE_IOERR_DELETE;
-    }
     /* A deletion that is not synced is undone when the power is cut. */
     if (plan.remember && sync_directory != 0) {
         name_synced(synced, sizeof synced, name);

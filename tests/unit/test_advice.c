@@ -288,9 +288,8 @@ static void other_psfs_need_no_path(void **state) {
     char expected[64];
     bad.psf.unusable = 1;
     bad.psf.looked_at = 2;
-    for (int i = 0; i < FILES; i++) {
+    for (int i = 0; i < FILES; i++)
         files[i].plan = i % 3 == 2 ? &plan : &bad;
-    }
     snprintf(expected, sizeof expected, "%d of %d files", 2 * SHEARD_ADVICES, FILES + 1);
     const char *line = sheard_advice_other_psfs(files, FILES + 1, "first", text, sizeof text);
     assert_non_null(line);
@@ -370,9 +369,8 @@ static void many_artefacts(void **state) {
     (void)state;
     shear_result r = sound();
     int bit = 0;
-    while (1u << bit != SHEAR_FLAG_ARTEFACT) {
+    while (1u << bit != SHEAR_FLAG_ARTEFACT)
         bit++;
-    }
     r.flagged[bit] = 20; /* of 1000 */
     assert_null(sheard_advice_many_artefacts(&r, &plan, text, sizeof text));
     r.flagged[bit] = 26;

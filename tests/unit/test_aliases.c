@@ -12,9 +12,8 @@ static double share(double r_psf_px, double beta_px, double half_light_px) {
 }
 
 static void assert_near(double measured, double known, double part) {
-    if (!(fabs(measured / known - 1.0) <= part)) {
+    if (!(fabs(measured / known - 1.0) <= part))
         fail_msg("%.6g, not %.6g +- %.2g of it", measured, known, part);
-    }
 }
 
 /* Points, over the whole plane: the integrand of alias a is a Gaussian about k = -c a,

@@ -52,9 +52,8 @@ enum { N_CASES = sizeof cases / sizeof cases[0], N_LAYOUTS = sizeof layouts / si
 
 /* Integers that every type holds. */
 static void round_all(double *pixels, size_t n, double scale) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         pixels[i] = floor(scale * pixels[i]);
-    }
 }
 
 /* Round noise beneath an elliptical galaxy of a random direction, sheared a little. */
@@ -101,9 +100,8 @@ static int setup(void **state) {
     round_all(all.b.psf, N * samples, 250.0);
     all.noise = calloc(N * PLANES * pixels, sizeof *all.noise);
     assert_non_null(all.noise);
-    for (size_t i = 0; i < N * PLANES; i++) {
+    for (size_t i = 0; i < N * PLANES; i++)
         memcpy(all.noise + i * pixels, all.b.noise + i * 5 % N * pixels, pixels * sizeof(double));
-    }
     for (int i = 0; i < N; i++) {
         all.psf_id[i] = i % 11 == 3 ? -1 : i / 4 % FEW;
         all.b.mask[i] = i % 13 == 5;
@@ -246,9 +244,8 @@ static int measure(const field_case *c, const layout *l, const shear_arrays_opti
         .r_gal = c->columns ? all.b.r_gal : NULL,
         .mask = c->columns ? all.b.mask : NULL};
     const int code = shear_measure_arrays(result, &arrays, &settings, options, err);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         free(memory[i]);
-    }
     free(noise);
     return code;
 }
@@ -296,13 +293,11 @@ static void check_layouts(const field_case *c, const shear_result *wanted,
         shear_error err = {0};
         memset(rows, 0, sizeof rows);
         const shear_arrays_options options = {.threads = 1 + k % 3, .rows = rows};
-        if (measure(c, &layouts[k], &options, &result, &err) != SHEAR_OK) {
+        if (measure(c, &layouts[k], &options, &result, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
-        }
         expect_same(&result, wanted);
-        for (int64_t i = 0; i < N; i++) {
+        for (int64_t i = 0; i < N; i++)
             expect_same_row(&rows[i], &rows_wanted->rows[i], i);
-        }
     }
 }
 
@@ -317,9 +312,8 @@ static void check_program(const field_case *c, const char *path, const shear_res
     const char *program = getenv("SHEARCTL");
     char command[1024];
     static char text[65536];
-    if (program == NULL) {
+    if (program == NULL)
         return;
-    }
     int n = snprintf(command, sizeof command, "%s measure --json --quiet", program);
     for (int i = 0; i < 4 && c->settings[i][0] != NULL; i++) {
         n += snprintf(command + n, sizeof command - (size_t)n, " --%s %s", c->settings[i][0],
@@ -352,9 +346,8 @@ static void test_as_the_file(void **state) {
         settings_of(&cases[k], &settings);
         assert_int_equal(shear_field_sums_new(&sums, &err), SHEAR_OK);
         const shear_run_options options = {.catalog_path = catalog};
-        if (shear_run_file(path, &settings, &options, sums, NULL, &report, &err) != SHEAR_OK) {
+        if (shear_run_file(path, &settings, &options, sums, NULL, &report, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
-        }
         assert_true(report.result.valid);
         assert_int_equal(shear_catalog_read(&rows, catalog, &err), SHEAR_OK);
         check_layouts(&cases[k], &report.result, rows);

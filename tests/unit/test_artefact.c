@@ -54,9 +54,8 @@ static void add_object(scene *s, double flux, double size_px, double stretch, do
     const double yy = size_px * size_px / stretch;
     const gaussian g = {flux / (2.0 * M_PI * sqrt(xx * yy)), xx, yy, 0.0, x, y};
     gaussian_draw(&g, s->nx, s->ny, 1, image);
-    for (int i = 0; i < s->nx * s->ny; i++) {
+    for (int i = 0; i < s->nx * s->ny; i++)
         s->galaxy[i] += image[i];
-    }
 }
 
 static void clear(scene *s) {
@@ -150,9 +149,8 @@ static void test_ratio_of_gaussians(void **state) {
         assert_near(ratio_of(sizes[i], 1, 0.5, 0.25), r, 1e-3, r, "between samples");
         assert_near(ratio_of(sizes[i], 2, 0.0, 0.0), r, 1e-9, r, "two a pixel");
         assert_near(ratio_of(sizes[i], 2, 0.25, 0.0), r, 1e-3, r, "two a pixel, between");
-        if (sizes[i] < 2.0) {
+        if (sizes[i] < 2.0)
             assert_near(ratio_of(sizes[i], 5, 0.1, 0.1), r, 1e-3, r, "five a pixel, between");
-        }
     }
 }
 
@@ -174,9 +172,8 @@ static void test_leak(void **state) {
     psf[4 * 48 + 5] += 0.01;
     const sharpness spiked = sharpness_of(psf, 48, 48, 4);
     double sum = 0.0;
-    for (int i = 0; i < 48 * 48; i++) {
+    for (int i = 0; i < 48 * 48; i++)
         sum += psf[i] / 16.0;
-    }
     assert_near(spiked.ratio, plain.ratio, 1e-12, 1.0, "ratio");
     assert_true(plain.leak < 1e-6);
     assert_near(spiked.leak, 0.01 / sum, 2e-2, 0.01 / sum, "leak");
@@ -371,9 +368,8 @@ static void test_noise_that_is_too_weak(void **state) {
     tool t = tool_new(s);
     for (int k = 0; k < 200; k++) {
         prepare(s, 300.0, 2.0);
-        for (int i = 0; i < 32 * 32; i++) {
+        for (int i = 0; i < 32 * 32; i++)
             s->noise[i] *= 0.25;
-        }
         assert_clean(&t, s);
     }
     tool_free(&t);

@@ -32,23 +32,20 @@ static void expand(enum axis_kind kind, int n, int s, const double *f, bool mark
 
 /* Numbers of order 1, so that tolerances are absolute. */
 static void draw_line(double *f, int n, uint64_t *seed) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         f[i] = 2.0 * uniform(seed) - 1.0;
-    }
 }
 
 /* GSL's natural spline through f[0..n), at the s n fine points of its n - 1 cells. */
 static void gsl_fine(int n, int s, const double *f, double *fine) {
     double x[MAX_N];
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         x[i] = i;
-    }
     gsl_spline *spline =
         gsl_spline_alloc(n > 2 ? gsl_interp_cspline : gsl_interp_linear, (size_t)n);
     gsl_spline_init(spline, x, f, (size_t)n);
-    for (int i = 0; i <= (n - 1) * s; i++) {
+    for (int i = 0; i <= (n - 1) * s; i++)
         fine[i] = gsl_spline_eval(spline, (double)i / s, NULL);
-    }
     gsl_spline_free(spline);
 }
 
@@ -63,9 +60,8 @@ static void test_spline_is_gsls(void **state) {
             draw_line(f, n, &seed);
             expand(AXIS_SPLINE, n, s, f, false, fine);
             gsl_fine(n, s, f, expected);
-            for (int i = 0; i <= (n - 1) * s; i++) {
+            for (int i = 0; i <= (n - 1) * s; i++)
                 assert_near(fine[i], expected[i], 1e-13, 1.0, "spline");
-            }
         }
     }
 }
@@ -82,13 +78,11 @@ static void check_reproduces(enum axis_kind kind, int degree, int n, int from, i
     double f[MAX_N];
     double fine[MAX_N * MAX_S];
     draw_line(c, degree + 1, &seed);
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         f[i] = polynomial(c, i);
-    }
     expand(kind, n, 8, f, false, fine);
-    for (int i = 8 * from; i < 8 * to; i++) {
+    for (int i = 8 * from; i < 8 * to; i++)
         assert_near(fine[i], polynomial(c, i / 8.0), 1e-13, 1.0 + fabs(f[n - 1]), "polynomial");
-    }
 }
 
 static void test_polynomials(void **state) {
@@ -121,9 +115,8 @@ static void test_through_the_points(void **state) {
     for (enum axis_kind kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         draw_line(f, MAX_N, &seed);
         expand(kind, MAX_N, MAX_S, f, false, fine);
-        for (int i = 0; i < MAX_N; i++) {
+        for (int i = 0; i < MAX_N; i++)
             assert_true(fine[i * MAX_S] == f[i]);
-        }
     }
 }
 
@@ -139,9 +132,8 @@ static void test_closing_cell(void **state) {
     double fine_back[N * S];
     for (enum axis_kind kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         draw_line(f, N, &seed);
-        for (int i = 0; i < N; i++) {
+        for (int i = 0; i < N; i++)
             back[i] = f[N - 1 - i];
-        }
         expand(kind, N, S, f, false, fine);
         expand(kind, N, S, back, false, fine_back);
         for (int p = 0; p < S; p++) {
@@ -172,9 +164,8 @@ static void test_lanes(void **state) {
         for (int lane = 0; lane < LANES; lane++) {
             double line[N];
             double fine[N * S];
-            for (int i = 0; i < N; i++) {
+            for (int i = 0; i < N; i++)
                 line[i] = f[i * STRIDE + lane];
-            }
             expand(kind, N, S, line, false, fine);
             for (int i = 0; i < N * S; i++) {
                 const axis_weights w = ax.points[i].w;
@@ -200,9 +191,8 @@ static void check_run(enum axis_kind kind, int s, const double *f, const double 
     } else {
         expand(kind, to - from, s, f + from, false, expected);
     }
-    for (int i = 0; i <= (to - from - 1) * s; i++) {
+    for (int i = 0; i <= (to - from - 1) * s; i++)
         assert_near(fine[from * s + i], expected[i], 1e-13, 1.0, "run");
-    }
 }
 
 /* 3 points, a mark, 1 point, two marks, 6 points, a mark, 2 points; then the closing cell to the
@@ -218,9 +208,8 @@ static void test_broken_lines(void **state) {
         draw_line(f, N, &seed);
         f[3] = f[5] = f[6] = f[13] = -INFINITY;
         expand(kind, N, S, f, true, fine);
-        for (int r = 0; r < 3; r++) {
+        for (int r = 0; r < 3; r++)
             check_run(kind, S, f, fine, runs[r][0], runs[r][1]);
-        }
         for (int i = 0; i < N * S; i++) {
             const int cell = i / S;
             const bool broken = isinf(f[cell]) || (i % S != 0 && isinf(f[(cell + 1) % N]));
@@ -246,9 +235,8 @@ static void test_marks_at_the_ends(void **state) {
         assert_true(fine[0] == 1.0 && fine[8] == 4.0 && isinf(fine[9]) && isinf(fine[12]) &&
                     isinf(fine[15]));
         expand(kind, 4, 4, none, true, fine);
-        for (int i = 0; i < 16; i++) {
+        for (int i = 0; i < 16; i++)
             assert_true(fine[i] == -INFINITY);
-        }
     }
 }
 

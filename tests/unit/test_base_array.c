@@ -16,9 +16,8 @@ static void growing_keeps_the_items(void **state) {
         assert_true(capacity > n);
         items[n] = (int)n;
     }
-    for (size_t i = 0; i < 1000; i++) {
+    for (size_t i = 0; i < 1000; i++)
         assert_int_equal(items[i], (int)i);
-    }
     assert_true(capacity < 2048);
 }
 

@@ -27,9 +27,8 @@ static void a_pipe_carries_all(void **state) {
     int ends[2];
     pthread_t sender;
     void *failed = NULL;
-    for (int i = 0; i < MANY; i++) {
+    for (int i = 0; i < MANY; i++)
         sent[i] = (unsigned char)(i % 251);
-    }
     assert_int_equal(pipe(ends), 0);
     assert_int_equal(fcntl(ends[1], F_SETFL, O_NONBLOCK), 0);
     assert_int_equal(pthread_create(&sender, NULL, send_all, &ends[1]), 0);

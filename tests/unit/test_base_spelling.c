@@ -7,9 +7,8 @@
 
 static const char *best_of(const char *given, const char *const *candidates) {
     spelling s = {.given = given};
-    for (; *candidates != NULL; candidates++) {
+    for (; *candidates != NULL; candidates++)
         spelling_consider(&s, *candidates);
-    }
     return s.best;
 }
 

@@ -54,9 +54,8 @@ static void numbers_are_the_whole_text(void **state) {
     assert_true(text_to_int64("42", &n));
     assert_int_equal(n, 42);
     static const char *const bad[] = {"", " ", "4x", "x", "4 ", "9223372036854775808", "1e3"};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(text_to_int64(bad[i], &n));
-    }
     assert_int_equal(n, 42);
     assert_true(text_to_double("1e-3", &x));
     assert_true(x == 1e-3);

@@ -24,9 +24,8 @@ static void every_point_is_read_back(void **state) {
         uint32_t back = 0;
         const size_t n = encode(point, text);
         const bool good = point < 0xd800 || (point > 0xdfff && point <= 0x10ffff);
-        if (utf8_decode(text, &back) != (good ? n : 0) || (good && back != point)) {
+        if (utf8_decode(text, &back) != (good ? n : 0) || (good && back != point))
             fail_msg("U+%04X", point);
-        }
     }
 }
 
@@ -38,9 +37,8 @@ static void the_rest_is_refused(void **state) {
         "\xff",         "\xc3",         "\xe2\x82", "\xf0\x9f",
         "\xc3(",        "\xe2(\xa1"};
     uint32_t point = 0;
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(utf8_decode(bad[i], &point), 0);
-    }
     assert_int_equal(utf8_decode("", &point), 1);
     assert_int_equal(point, 0);
 }

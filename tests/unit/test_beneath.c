@@ -70,9 +70,8 @@ static void make_file(int at, const char *name) {
 static int resolve(int root, const char *path, const access_peer *peer, struct stat *st) {
     char link = 'x';
     const int fd = beneath_open(root, path, peer, &link);
-    if (fd < 0) {
+    if (fd < 0)
         return fd;
-    }
     assert_true((fcntl(fd, F_GETFD) & FD_CLOEXEC) != 0);
     assert_true((fcntl(fd, F_GETFL) & O_PATH) != 0);
     assert_int_equal(fstat(fd, st), 0);
@@ -84,9 +83,8 @@ static int resolve_by_kernel(int root, const char *path, struct stat *st) {
     struct open_how how = {.flags = O_PATH | O_CLOEXEC,
                            .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
     const long fd = syscall(SYS_openat2, root, path, &how, sizeof how);
-    if (fd < 0) {
+    if (fd < 0)
         return -errno;
-    }
     assert_int_equal(fstat((int)fd, st), 0);
     close((int)fd);
     return 0;

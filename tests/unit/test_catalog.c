@@ -26,17 +26,14 @@ static void write_rows(shear_catalog *c, const shear_field_info *info) {
             rows[k] = catalog_row(first + k);
             double *const doubles[] = {b->x, b->y, b->ra, b->dec};
             for (int i = 0; i < 4; i++) {
-                if (doubles[i] != NULL) {
+                if (doubles[i] != NULL)
                     doubles[i][k] = fixture_column(1u << i, first + k);
-                }
             }
-            if (b->id != NULL) {
+            if (b->id != NULL)
                 b->id[k] = (first + k) * 5000000000;
-            }
         }
-        if (shear_catalog_write(c, first, count, rows, b, &err) != SHEAR_OK) {
+        if (shear_catalog_write(c, first, count, rows, b, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
-        }
     }
     shear_block_free(b);
 }
@@ -45,9 +42,8 @@ static void write_catalog(const char *path, unsigned columns, const shear_result
     const shear_field_info info = catalog_info(N, columns);
     shear_catalog *c = NULL;
     shear_error err = {0};
-    if (shear_catalog_create(&c, path, &info, true, &err) != SHEAR_OK) {
+    if (shear_catalog_create(&c, path, &info, true, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     write_rows(c, &info);
     if (shear_catalog_finish(c, catalog_plan, result, "dir/in put.fits", "0123456789abcdef",
                              &err) != SHEAR_OK) {
@@ -82,13 +78,11 @@ static void round_trips(void **state) {
         write_catalog(path, columns[i], &wanted);
         shear_catalog_table *t = NULL;
         shear_error err = {0};
-        if (shear_catalog_read(&t, path, &err) != SHEAR_OK) {
+        if (shear_catalog_read(&t, path, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
-        }
         assert_int_equal(t->n, N);
-        for (int64_t k = 0; k < N; k++) {
+        for (int64_t k = 0; k < N; k++)
             check_row(&t->rows[k], k);
-        }
         assert_string_equal(t->field, "field one");
         assert_true(t->has_truth && same(t->sim_g1, 0.1) && same(t->sim_g2, -0.02));
         assert_true(same(t->beta_px, shear_plan_get_info(catalog_plan)->beta_px));
@@ -172,9 +166,8 @@ static void expect_keyword(fitsfile *f, const char *key, const char *wanted) {
     char value[FLEN_VALUE] = "";
     int status = 0;
     fits_read_key(f, TSTRING, key, value, NULL, &status);
-    if (status != 0 || strcmp(value, wanted) != 0) {
+    if (status != 0 || strcmp(value, wanted) != 0)
         fail_msg("keyword %s is '%s', not '%s'", key, value, wanted);
-    }
 }
 
 /* Every setting, as the text that sets it. */
@@ -201,12 +194,10 @@ static void the_header_holds_all_settings(void **state) {
         shear_error err = {0};
         fits_read_key(f, TSTRING, table[i].keyword, value, NULL, &status);
         assert_int_equal(status, 0);
-        if (table[i].type == SHEAR_T_BOOL) {
+        if (table[i].type == SHEAR_T_BOOL)
             strcpy(value, value[0] == 'T' ? "true" : "false");
-        }
-        if (shear_settings_set(&back, table[i].name, value, &err) != SHEAR_OK) {
+        if (shear_settings_set(&back, table[i].name, value, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
-        }
         char was[64];
         char is[64];
         shear_settings_format(shear_plan_get_settings(catalog_plan), &table[i], was, sizeof was);
@@ -245,9 +236,8 @@ static void keywords_are_unique(void **state) {
         char value[FLEN_VALUE];
         fits_read_keyn(f, i + 1, keys[i], value, NULL, &status);
         const bool may_repeat = keys[i][0] == '\0' || strcmp(keys[i], "COMMENT") == 0;
-        for (int k = 0; k < i && !may_repeat; k++) {
+        for (int k = 0; k < i && !may_repeat; k++)
             assert_string_not_equal(keys[i], keys[k]);
-        }
     }
     fits_close_file(f, &status);
     assert_int_equal(status, 0);
@@ -309,9 +299,8 @@ static void expect_unreadable(const char *path, int code, const char *word) {
     shear_error err = {0};
     assert_int_equal(shear_catalog_read(&t, path, &err), code);
     assert_null(t);
-    if (strstr(err.message, word) == NULL || strstr(err.message, path) == NULL) {
+    if (strstr(err.message, word) == NULL || strstr(err.message, path) == NULL)
         fail_msg("no '%s' and '%s' in: %s", word, path, err.message);
-    }
 }
 
 static void catalogs_that_cannot_be_read(void **state) {

@@ -32,9 +32,8 @@ static void write_rows(shear_catalog *c, int64_t first, int64_t end, bool wrong)
             b->id[k] = i * 5000000000;
             b->x[k] = fixture_column(SHEAR_COL_X, i);
         }
-        if (shear_catalog_write(c, at, count, rows, b, &err) != SHEAR_OK) {
+        if (shear_catalog_write(c, at, count, rows, b, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
-        }
     }
     shear_block_free(b);
 }
@@ -43,9 +42,8 @@ static shear_catalog *begin(const char *path) {
     const shear_field_info info = catalog_info(N, columns);
     shear_catalog *c = NULL;
     shear_error err = {0};
-    if (shear_catalog_begin(&c, path, &info, sum, &err) != SHEAR_OK) {
+    if (shear_catalog_begin(&c, path, &info, sum, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     return c;
 }
 
@@ -53,25 +51,22 @@ static shear_catalog *resume(const char *path, int64_t rows) {
     const shear_field_info info = catalog_info(N, columns);
     shear_catalog *c = NULL;
     shear_error err = {0};
-    if (shear_catalog_resume(&c, path, &info, sum, rows, &err) != SHEAR_OK) {
+    if (shear_catalog_resume(&c, path, &info, sum, rows, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     return c;
 }
 
 static void keep(shear_catalog *c, int64_t rows) {
     shear_error err = {0};
-    if (shear_catalog_sync(c, rows, &err) != SHEAR_OK) {
+    if (shear_catalog_sync(c, rows, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
 }
 
 static void finish(shear_catalog *c) {
     const shear_result result = catalog_result(N);
     shear_error err = {0};
-    if (shear_catalog_finish(c, catalog_plan, &result, "in.fits", sum, &err) != SHEAR_OK) {
+    if (shear_catalog_finish(c, catalog_plan, &result, "in.fits", sum, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
 }
 
 /* The file of a process that nothing interrupts, as `shearctl measure` makes it. */
@@ -91,9 +86,8 @@ static void same_files(const char *a, const char *b) {
     unsigned char *y = fixture_load(b, &m);
     assert_int_equal(n, m);
     for (size_t i = 0; i < n; i++) {
-        if (x[i] != y[i]) {
+        if (x[i] != y[i])
             fail_msg("the files differ from byte %zu on", i);
-        }
     }
     free(x);
     free(y);

@@ -130,9 +130,8 @@ static void psf_warns(void **state) {
         "background left in");
     plan.psf.looked_at = 256;
     plan.psf.unusable = 3;
-    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++)
         plan.psf.flawed[i] = 200 + i;
-    }
     shear_result r = {.n_used = 2};
     sheard_advice_all(&list, &r, &plan, NULL);
     assert_true(list.n >= 6);
@@ -230,9 +229,8 @@ static void help_has_everything(void **state) {
         snprintf(flag, sizeof flag, "  --%s", table[i].name);
         assert_non_null(strstr(help, flag));
     }
-    for (const char *line = help; *line; line += strcspn(line, "\n") + 1) {
+    for (const char *line = help; *line; line += strcspn(line, "\n") + 1)
         assert_true(strcspn(line, "\n") < 80);
-    }
     free(help);
 }
 

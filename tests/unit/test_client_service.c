@@ -47,9 +47,8 @@ static void durations(void **state) {
                  {(double)NAN, "-"},
                  {(double)INFINITY, "-"},
                  {1e300, "11574074074 d 01 h"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_string_equal(human_duration(cases[i].seconds, buf), cases[i].text);
-    }
 }
 
 static void durations_are_parsed(void **state) {
@@ -66,9 +65,8 @@ static void durations_are_parsed(void **state) {
         assert_true(human_parse_duration(good[i].text, &seconds));
         assert_float_equal(seconds, good[i].seconds, 0.0);
     }
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(human_parse_duration(bad[i], &seconds));
-    }
 }
 
 static void times_ages_sizes_and_rates(void **state) {
@@ -198,9 +196,8 @@ static void exit_codes(void **state) {
                  {{1, 1, 0, 0}, EXIT_CODE_PARTLY},    {{1, 0, 1, 0}, EXIT_CODE_PARTLY},
                  {{0, 0, 1, 0}, EXIT_CODE_CANCELLED}, {{0, 1, 1, 0}, EXIT_CODE_JOB_FAILED},
                  {{5, 5, 5, 1}, EXIT_CODE_TIMED_OUT}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_int_equal(follow_exit_code(&cases[i].counts), cases[i].code);
-    }
     assert_int_equal(EXIT_CODE_JOB_FAILED, 5); /* scripts have these numbers */
     assert_int_equal(EXIT_CODE_TIMED_OUT, 6);
     assert_int_equal(EXIT_CODE_UNREACHABLE, 7);
@@ -264,17 +261,15 @@ static void hdus(void **state) {
         assert_int_equal(input_path_hdu(cases[i].name, &part, &length, &err), SHEAR_OK);
         assert_int_equal(part.hdu, cases[i].hdu);
         assert_int_equal(part.extname != NULL, cases[i].extname != NULL);
-        if (part.extname != NULL) {
+        if (part.extname != NULL)
             assert_string_equal(part.extname, cases[i].extname);
-        }
         assert_int_equal(length, cases[i].length);
     }
     const char *const bad[] = {
         "a:10000", "a:99999999999999999999",
         "a:a name of more than sixty-eight characters, which no header card can have as a value"};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(input_path_hdu(bad[i], &part, &length, &err), SHEAR_E_SETTING);
-    }
     FILE *file = fopen("odd:1", "w"); /* a file of this very name */
     assert_non_null(file);
     fclose(file);
@@ -391,9 +386,8 @@ static void summaries(void **state) {
     sheard_report_summary_deinit(&s);
     sheard_report_summary_deinit(&s); /* again: fine */
     const char *bad[] = {"", "[]", "{", "null", "{\"a\":1}x"};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(sheard_report_summary_parse(&s, bad[i], &err), SHEAR_E_FORMAT);
-    }
     assert_int_equal(sheard_report_summary_parse(&s, "{}", &err), SHEAR_OK);
     assert_true(isnan(s.g1));
     sheard_report_summary_deinit(&s);

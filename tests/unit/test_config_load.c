@@ -15,9 +15,8 @@ static void one_error(void **state, const char *text, int line, const char *word
     sheard_config config;
     int code = load_text_file(state, text, &config, &problems);
     sheard_config_deinit(&config);
-    if (problems.n_errors != 1) {
+    if (problems.n_errors != 1)
         sheard_problems_print(&problems, stderr);
-    }
     assert_int_equal(code, SHEAR_E_SETTING);
     assert_int_equal(problems.n_errors, 1);
     assert_problem(&problems, 0, line, words);
@@ -219,9 +218,8 @@ static void unreadable_files(void **state) {
 static void many_errors(void **state) {
     char text[2000] = "[daemon]\n";
     sheard_config config;
-    for (int i = 0; i < 30; i++) {
+    for (int i = 0; i < 30; i++)
         snprintf(text + strlen(text), 40, "wrong_%d = 1\n", i);
-    }
     snprintf(text + strlen(text), 20, "nice = 7\n");
     assert_int_equal(load_text_file(state, text, &config, &problems), SHEAR_E_SETTING);
     assert_int_equal(problems.n_errors, 30);
@@ -255,9 +253,8 @@ static void problems_without_errors(void **state) {
     shear_error err = {0};
     problems = (sheard_problems){0};
     assert_int_equal(sheard_problems_error(&problems, &err), SHEAR_OK);
-    for (int i = 0; i < 25; i++) {
+    for (int i = 0; i < 25; i++)
         problems_warn(&problems, "here", NULL, "warning %d", i);
-    }
     assert_int_equal(sheard_problems_error(&problems, &err), SHEAR_OK);
     err = (shear_error){.code = SHEAR_E_IO, .message = "late"};
     assert_int_equal(problems_add(&problems, "there", &err), SHEAR_E_IO);
@@ -310,9 +307,8 @@ static void check_of(void **state, const char *text, size_t n_errors, const char
     FILE *out = open_memstream(&told, &size);
     assert_int_equal(sheard_config_check_file(file_with(state, text), NULL, out), n_errors);
     fclose(out);
-    if (strstr(told, words) == NULL) {
+    if (strstr(told, words) == NULL)
         print_error("%s", told);
-    }
     assert_non_null(strstr(told, words));
     free(told);
 }

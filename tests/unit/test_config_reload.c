@@ -10,9 +10,8 @@ static sheard_problems problems;
 static void make(sheard_config *config, const char *const *assignments) {
     problems = (sheard_problems){0};
     assert_int_equal(sheard_config_init(config, NULL), SHEAR_OK);
-    for (; *assignments != NULL; assignments++) {
+    for (; *assignments != NULL; assignments++)
         assert_int_equal(sheard_config_assign(config, *assignments, NULL), SHEAR_OK);
-    }
 }
 
 #define ALL(...) ((const char *const[]){__VA_ARGS__, NULL})

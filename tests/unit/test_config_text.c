@@ -28,9 +28,8 @@ static void uncomment(char *text) {
     for (const char *from = text; *from != '\0'; from++) {
         bool mark = line_begins && from[0] == '#' && from[1] != ' ' && from[1] != '\n';
         line_begins = *from == '\n';
-        if (!mark) {
+        if (!mark)
             *to++ = *from;
-        }
     }
     *to = '\0';
 }
@@ -71,9 +70,8 @@ static void sample_is_the_defaults(void **state) {
 }
 
 static void lines_are_short(const char *text, size_t most) {
-    for (const char *p = text; *p != '\0'; p += strcspn(p, "\n") + 1) {
+    for (const char *p = text; *p != '\0'; p += strcspn(p, "\n") + 1)
         assert_true(strcspn(p, "\n") <= most);
-    }
 }
 
 static void sample_fits_a_terminal(void **state) {
@@ -149,9 +147,8 @@ static void other_value(const sheard_setting *s, const char *before, char *buf, 
         break;
     default:
         number_format(&plain, s->min, buf, size);
-        if (strcmp(buf, before) == 0) {
+        if (strcmp(buf, before) == 0)
             number_format(&plain, s->max, buf, size);
-        }
         break;
     }
 }
@@ -202,9 +199,8 @@ static void longest_values_print_and_load(void **state) {
     assert_int_equal(sheard_config_init(&config, NULL), SHEAR_OK);
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         sheard_setting s = sheard_setting_at(i);
-        if (s.type == SHEARD_T_PATH && s.max == 180) {
+        if (s.type == SHEARD_T_PATH && s.max == 180)
             assert_int_equal(sheard_config_set(&config, s.section, s.key, item, NULL), SHEAR_OK);
-        }
     }
     for (int i = 0; i < 20; i++) {
         item[1] = (char)('a' + i);
@@ -225,9 +221,8 @@ static void a_full_disk_is_an_error(void **state) {
     (void)state;
     shear_error err = {0};
     FILE *full = fopen("/dev/full", "w");
-    if (full == NULL) {
+    if (full == NULL)
         skip();
-    }
     assert_int_equal(sheard_config_print_sample(full, &err), SHEAR_E_IO);
     fclose(full);
 }
@@ -238,9 +233,8 @@ static void manual_has_every_setting(void **state) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         sheard_setting s = sheard_setting_at(i);
         char head[80] = ".It Cm ";
-        for (const char *p = s.key; *p != '\0'; p++) {
+        for (const char *p = s.key; *p != '\0'; p++)
             snprintf(head + strlen(head), 4, *p == '-' ? "\\-" : "%c", *p);
-        }
         char *at = strstr(manual, head);
         assert_non_null(at);
         assert_non_null(strstr(at, "Default: "));
@@ -273,9 +267,8 @@ static void options_become_settings(void **state) {
         }
     }
     assert_int_equal(assignments.n, 2);
-    for (size_t i = 0; i < assignments.n; i++) {
+    for (size_t i = 0; i < assignments.n; i++)
         assert_int_equal(sheard_config_assign(&config, assignments.items[i], &err), SHEAR_OK);
-    }
     assert_int_equal(config.daemon.workers, 6);
     assert_string_equal(config.spool.directory, "/s");
     assert_int_equal(sheard_flags_assign('v', "6", &assignments, &err), SHEAR_E_INTERNAL);
@@ -374,9 +367,8 @@ static void damaged_files(void **state) {
     for (int i = 0; i < FILES; i++) {
         size_t size = strlen(whole);
         memcpy(text, whole, size);
-        for (uint64_t hits = 1 + next_random(&x) % 6; hits > 0 && size > 1; hits--) {
+        for (uint64_t hits = 1 + next_random(&x) % 6; hits > 0 && size > 1; hits--)
             size = damage(text, size, ROOM, &x);
-        }
         n_good += survives(state, text, size);
     }
     free(whole);

@@ -25,9 +25,8 @@ static int deinit(void **state) {
 static void good(const char *section, const char *key, const char *text, const char *written) {
     shear_error err = {0};
     int code = sheard_config_set(&config, section, key, text, &err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         print_error("%s.%s = '%s': %s\n", section, key, text, err.message);
-    }
     assert_int_equal(code, SHEAR_OK);
     char *back = sheard_config_format(&config, (size_t)sheard_setting_find(section, key));
     assert_string_equal(back, written);
@@ -42,9 +41,8 @@ static void bad(const char *section, const char *key, const char *text, const ch
     assert_int_equal(sheard_config_set(&config, section, key, text, &err), SHEAR_E_SETTING);
     char *after = sheard_config_format(&config, index);
     assert_string_equal(before, after);
-    if (strstr(err.message, words) == NULL) {
+    if (strstr(err.message, words) == NULL)
         print_error("'%s' is not in '%s'\n", words, err.message);
-    }
     assert_non_null(strstr(err.message, words));
     assert_non_null(strstr(err.message, section));
     assert_non_null(strstr(err.message, key));
@@ -74,9 +72,8 @@ static void integers(void **state) {
                                        "1s",
                                        "9223372036854775808",
                                        "99999999999999999999999999999999"};
-    for (size_t i = 0; i < sizeof not / sizeof not [0]; i++) {
+    for (size_t i = 0; i < sizeof not / sizeof not [0]; i++)
         bad("daemon", "max_active_jobs", not [i], "is not a whole number of jobs from 1 to 256");
-    }
     good("daemon", "nice", "0", "0");
 }
 
@@ -112,9 +109,8 @@ static void sizes(void **state) {
                                        "-4K",      "1.5K",
                                        "",         "9223372036854775807K",
                                        "8388608T", "9223372036854775808"};
-    for (size_t i = 0; i < sizeof not / sizeof not [0]; i++) {
+    for (size_t i = 0; i < sizeof not / sizeof not [0]; i++)
         bad("plans", "max_bytes", not [i], "is not a size (as in 512K, 64M, 4G) from 1M to 1T");
-    }
 }
 
 static void durations(void **state) {
@@ -163,9 +159,8 @@ static void modes(void **state) {
     assert_int_equal(config.daemon.socket_mode, 0777);
     static const char *const not [] = {
         "0577", "1777", "0668", "u=rw", "", "-660", "07777777777777777777777"};
-    for (size_t i = 0; i < sizeof not / sizeof not [0]; i++) {
+    for (size_t i = 0; i < sizeof not / sizeof not [0]; i++)
         bad("daemon", "socket_mode", not [i], "is not an octal mode from 0600 to 0777");
-    }
 }
 
 static void choices_and_booleans(void **state) {
@@ -302,9 +297,8 @@ static void bounds_of_every_number(void **state) {
     (void)state;
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         sheard_setting s = sheard_setting_at(i);
-        if (s.type != SHEARD_T_INT && s.type != SHEARD_T_BYTES && s.type != SHEARD_T_DURATION) {
+        if (s.type != SHEARD_T_INT && s.type != SHEARD_T_BYTES && s.type != SHEARD_T_DURATION)
             continue;
-        }
         const char *unit = s.type == SHEARD_T_DURATION ? "ms" : "";
         for (int side = 0; side < 2; side++) {
             char text[64];

@@ -65,9 +65,8 @@ static int try_to_take(plan_cache *p, fake_field *f, const shear_plan **plan, sh
 static const shear_plan *take(plan_cache *p, fake_field *f) {
     const shear_plan *plan = NULL;
     shear_error err = {0};
-    if (try_to_take(p, f, &plan, &err) != SHEAR_OK) {
+    if (try_to_take(p, f, &plan, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     return plan;
 }
 
@@ -147,9 +146,8 @@ static void test_whatever_differs_is_another(void **state) {
         fake_field f = a_field(1.3);
         differ(&f, how);
         seen[how + 1] = take(p, &f);
-        for (int i = 0; i <= how; i++) {
+        for (int i = 0; i <= how; i++)
             assert_ptr_not_equal(seen[how + 1], seen[i]);
-        }
     }
     for (int how = 0; how < WAYS; how++) {
         fake_field f = a_field(1.3);
@@ -158,9 +156,8 @@ static void test_whatever_differs_is_another(void **state) {
         plan_cache_release(p, seen[how + 1]);
     }
     expect(p, WAYS + 1, WAYS, WAYS + 1);
-    for (int i = 0; i <= WAYS; i++) {
+    for (int i = 0; i <= WAYS; i++)
         plan_cache_release(p, seen[i]);
-    }
     plan_cache_free(p);
 }
 
@@ -292,9 +289,8 @@ static void test_many_threads(void **state) {
         b[i] = (busy){.p = p, .number = i};
         assert_int_equal(pthread_create(&threads[i], NULL, work, &b[i]), 0);
     }
-    for (int i = 0; i < THREADS; i++) {
+    for (int i = 0; i < THREADS; i++)
         pthread_join(threads[i], NULL);
-    }
     const plan_cache_statistics s = plan_cache_get_statistics(p);
     assert_int_equal(s.hits + s.misses, THREADS * ROUNDS);
     assert_int_equal(s.count, 1);

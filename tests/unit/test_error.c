@@ -18,9 +18,8 @@ static void guarded_init(guarded *g) {
 }
 
 static void assert_canary(const guarded *g) {
-    for (size_t i = 0; i < sizeof g->canary; i++) {
+    for (size_t i = 0; i < sizeof g->canary; i++)
         assert_true(g->canary[i] == 'x');
-    }
 }
 
 static void test_fail(void **state) {
@@ -92,9 +91,8 @@ static void test_code_names(void **state) {
     (void)state;
     for (int code = SHEAR_OK; code <= SHEAR_E_FULL; code++) {
         assert_string_not_equal(shear_code_name(code), "unknown");
-        for (int other = SHEAR_OK; other < code; other++) {
+        for (int other = SHEAR_OK; other < code; other++)
             assert_string_not_equal(shear_code_name(code), shear_code_name(other));
-        }
     }
     assert_string_equal(shear_code_name(-1), "unknown");
     assert_string_equal(shear_code_name(SHEAR_E_FULL + 1), "unknown");

@@ -25,9 +25,8 @@ static void the_least_recently_requested_go(void **state) {
     (void)state;
     estimate_cache c;
     estimate_cache_init(&c);
-    for (int i = 0; i < MANY; i++) {
+    for (int i = 0; i < MANY; i++)
         assert_non_null(request(&c, i));
-    }
     const estimate *first = request(&c, 0);
     estimate_cache_shrink(&c, INT64_MAX);
     assert_int_equal(c.n, KEPT);
@@ -42,15 +41,13 @@ static void what_is_needed_stays(void **state) {
     (void)state;
     estimate_cache c;
     estimate_cache_init(&c);
-    for (int i = 0; i < MANY; i++) {
+    for (int i = 0; i < MANY; i++)
         assert_non_null(request(&c, i));
-    }
     estimate_cache_shrink(&c, 100); /* a pending request needs all that were requested after 100 */
     assert_int_equal(c.n, MANY - 100);
     request(&c, 100)->state = ESTIMATE_SOLVING;
-    for (int i = 101; i < MANY; i++) {
+    for (int i = 101; i < MANY; i++)
         request(&c, i);
-    }
     estimate_cache_shrink(&c, INT64_MAX); /* the oldest is being solved */
     assert_int_equal(c.n, MANY - 100);
     estimate_cache_deinit(&c);

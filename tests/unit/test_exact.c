@@ -34,9 +34,8 @@ static void shuffle(double *x, int n, uint64_t *state) {
 static double sum_of(const double *x, int n) {
     exact_sum *s = exact_new(1);
     assert_non_null(s);
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         exact_add(s, 0, x[i]);
-    }
     const double value = exact_value(s, 0);
     exact_free(s, 1);
     return value;
@@ -49,9 +48,8 @@ static void test_order(void **state) {
     uint64_t seed = 1;
     double x[N];
     for (int trial = 0; trial < 20; trial++) {
-        for (int i = 0; i < N; i++) {
+        for (int i = 0; i < N; i++)
             x[i] = any_double(&seed);
-        }
         const double before = sum_of(x, N);
         shuffle(x, N, &seed);
         assert_same_bits(sum_of(x, N), before);
@@ -63,17 +61,15 @@ static void test_split(void **state) {
     (void)state;
     uint64_t seed = 2;
     double x[N];
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         x[i] = any_double(&seed);
-    }
     const double all = sum_of(x, N);
     for (int parts = 1; parts < 9; parts++) {
         exact_sum *total = exact_new(2);
         for (int part = 0; part < parts; part++) {
             exact_sum *s = exact_new(2);
-            for (int i = part; i < N; i += parts) {
+            for (int i = part; i < N; i += parts)
                 exact_add(s, 1, x[i]);
-            }
             exact_join(total, s, 2);
             exact_free(s, 2);
         }
@@ -110,16 +106,14 @@ static void test_two_terms(void **state) {
         double x[2] = {any_double(&seed)};
         x[1] = x[0] * (uniform(&seed) - 0.5) * ldexp(1.0, (int)(120.0 * uniform(&seed)) - 60);
         const double sum = x[0] + x[1];
-        if (!isfinite(sum) || !isfinite(x[1])) {
+        if (!isfinite(sum) || !isfinite(x[1]))
             continue;
-        }
         const double b = sum - x[0];
         const double rest = (x[0] - (sum - b)) + (x[1] - b);
         const double up = nextafter(sum, copysign(INFINITY, sum));
         const bool tie = rest != 0.0 && fabs(rest) == 0.5 * fabs(up - sum);
-        if (!tie) {
+        if (!tie)
             assert_same_bits(sum_of(x, 2), sum);
-        }
     }
 }
 
@@ -144,9 +138,8 @@ static void test_many(void **state) {
     exact_sum *s = exact_new(1);
     for (int i = 1; i <= 20000; i++) {
         exact_add(s, 0, 0.1);
-        if (i % 999 == 0) {
+        if (i % 999 == 0)
             assert_same_bits(exact_value(s, 0), i * 0.1);
-        }
     }
     exact_free(s, 1);
 }
@@ -175,9 +168,8 @@ static void test_bad_text(void **state) {
                                       "0x1", "1g", "A",   "1.5", "-1-", "1\n"};
     char endless[2000];
     exact_sum *s = exact_new(1);
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         assert_false(exact_parse(s, 0, bad[i]));
-    }
     memset(endless, 'f', sizeof endless - 1);
     endless[sizeof endless - 1] = '\0';
     assert_false(exact_parse(s, 0, endless));

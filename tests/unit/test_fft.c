@@ -99,18 +99,16 @@ static void check_length(int n, int every) {
 /* All short lengths: every radix first and last, and primes, which FFTW does. */
 static void test_short_lengths(void **state) {
     (void)state;
-    for (int n = 2; n <= 130; n++) {
+    for (int n = 2; n <= 130; n++)
         check_length(n, 1);
-    }
 }
 
 static void test_long_lengths(void **state) {
     (void)state;
     static const int lengths[] = {144, 160, 192, 200, 225, 240, 243,  256,
                                   259, 320, 375, 512, 625, 768, 1000, 1024};
-    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++)
         check_length(lengths[i], 37);
-    }
 }
 
 /* Lanes do not see each other: seven of NaN leave the eighth as it is. */
@@ -127,13 +125,11 @@ static void test_lanes_are_apart(void **state) {
         fft_lanes d = new_lanes(n);
         draw(x, n, 5);
         const fft_lanes z = fft_run(plan, x.re, x.im, FFT_LANES, a, b);
-        for (int k = 0; k < n * FFT_LANES; k++) {
+        for (int k = 0; k < n * FFT_LANES; k++)
             x.re[k] = k % FFT_LANES == 3 ? x.re[k] : NAN;
-        }
         const fft_lanes alone = fft_run(plan, x.re, x.im, FFT_LANES, c, d);
-        for (int k = 3; k < n * FFT_LANES; k += FFT_LANES) {
+        for (int k = 3; k < n * FFT_LANES; k += FFT_LANES)
             assert_true(alone.re[k] == z.re[k] && alone.im[k] == z.im[k]);
-        }
         fft_lanes_free(x);
         fft_lanes_free(a);
         fft_lanes_free(b);
@@ -149,17 +145,14 @@ static void test_turn(void **state) {
     double in[FFT_LANES * STEP];
     double out[FFT_LANES * FFT_LANES];
     uint64_t seed = 3;
-    for (int i = 0; i < FFT_LANES * STEP; i++) {
+    for (int i = 0; i < FFT_LANES * STEP; i++)
         in[i] = uniform(&seed);
-    }
     fft_transpose(in, STEP, out);
-    for (int i = 0; i < FFT_LANES * FFT_LANES; i++) {
+    for (int i = 0; i < FFT_LANES * FFT_LANES; i++)
         assert_true(out[i] == in[i % FFT_LANES * STEP + i / FFT_LANES]);
-    }
     fft_transpose(in + (FFT_LANES - 1) * STEP, -STEP, out); /* backwards */
-    for (int i = 0; i < FFT_LANES * FFT_LANES; i++) {
+    for (int i = 0; i < FFT_LANES * FFT_LANES; i++)
         assert_true(out[i] == in[(FFT_LANES - 1 - i % FFT_LANES) * STEP + i / FFT_LANES]);
-    }
 }
 
 static void test_sizes(void **state) {

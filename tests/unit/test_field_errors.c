@@ -219,9 +219,8 @@ static void absurd_sizes(void **state) {
             cube();
             fixture_patch(bad(), hdus[h], "NAXIS1", axes[i][0]);
             fixture_patch(bad(), hdus[h], "NAXIS2", axes[i][1]);
-            if (h < 2) {
+            if (h < 2)
                 fixture_patch(bad(), hdus[h], "NAXIS3", axes[i][2]);
-            }
             fixture_expect_open(bad(), SHEAR_E_FORMAT, hdus[h], END);
         }
     }
@@ -247,9 +246,8 @@ static void endless_header(void **state) {
     memset(bytes, ' ', size);
     static const char *const cards[] = {"SIMPLE  =                    T", "BITPIX  = 8",
                                         "NAXIS   = 0"};
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; i++)
         memcpy(bytes + 80 * i, cards[i], strlen(cards[i]));
-    }
     fixture_save(bad(), bytes, size);
     free(bytes);
     fixture_expect_open(bad(), SHEAR_E_FORMAT, "primary", "header", "END", END);
@@ -264,14 +262,12 @@ static void many_hdus(void **state) {
     memset(extension, ' ', sizeof extension);
     static const char *const cards[] = {"XTENSION= 'IMAGE   '", "BITPIX  = 8", "NAXIS   = 0",
                                         "PCOUNT  = 0",          "GCOUNT  = 1", "END"};
-    for (size_t i = 0; i < 6; i++) {
+    for (size_t i = 0; i < 6; i++)
         memcpy(extension + 80 * i, cards[i], strlen(cards[i]));
-    }
     unsigned char *joined = malloc(size + 1200 * sizeof extension);
     memcpy(joined, bytes, size);
-    for (size_t i = 0; i < 1200; i++) {
+    for (size_t i = 0; i < 1200; i++)
         memcpy(joined + size + i * sizeof extension, extension, sizeof extension);
-    }
     fixture_save(bad(), joined, size + 900 * sizeof extension);
     shear_field *field = NULL;
     assert_int_equal(shear_field_open(&field, bad(), NULL), SHEAR_OK);

@@ -15,9 +15,8 @@ static const unsigned all_columns = SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y | S
 static void check_image(const double *image, int kind, int64_t i, int nx, int ny) {
     for (int y = 0; y < ny; y++) {
         for (int x = 0; x < nx; x++) {
-            if (image[y * nx + x] != fixture_pixel(kind, i, y, x)) {
+            if (image[y * nx + x] != fixture_pixel(kind, i, y, x))
                 fail_msg("image %d of kind %d, pixel (%d, %d)", (int)i, kind, x, y);
-            }
         }
     }
 }
@@ -43,9 +42,8 @@ static void check_psf(const shear_block *b, const shear_field_spec *s,
 
 static void check_doubles(const double *values, unsigned columns, unsigned bit, int64_t i, int k) {
     assert_int_equal(values != NULL, (columns & bit) != 0);
-    if (values != NULL && values[k] != fixture_column(bit, i)) {
+    if (values != NULL && values[k] != fixture_column(bit, i))
         fail_msg("column %u of row %d", bit, (int)i);
-    }
 }
 
 static void check_columns(const shear_block *b, unsigned columns, int k) {
@@ -58,12 +56,10 @@ static void check_columns(const shear_block *b, unsigned columns, int k) {
     check_doubles(b->stamps.r_gal, columns, SHEAR_COL_R_GAL, i, k);
     assert_int_equal(b->id != NULL, (columns & SHEAR_COL_ID) != 0);
     assert_int_equal(b->stamps.mask != NULL, (columns & SHEAR_COL_FLAGS) != 0);
-    if (b->id != NULL) {
+    if (b->id != NULL)
         assert_int_equal(b->id[k], i * 3000000000);
-    }
-    if (b->stamps.mask != NULL) {
+    if (b->stamps.mask != NULL)
         assert_int_equal(b->stamps.mask[k], i % 3);
-    }
 }
 
 /* Read the file in chunks of `chunk` stamps. */
@@ -77,9 +73,8 @@ static void check_stamps(shear_field *field, const shear_field_spec *s,
     for (int64_t first = 0; first < s->n_stamps; first += chunk) {
         const int64_t rest = s->n_stamps - first;
         const int count = rest < chunk ? (int)rest : chunk;
-        if (shear_field_read(field, first, count, b, &err) != SHEAR_OK) {
+        if (shear_field_read(field, first, count, b, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
-        }
         assert_int_equal(b->stamps.first, first);
         assert_int_equal(b->stamps.count, count);
         assert_int_equal(b->stamps.noise_planes, planes);
@@ -118,13 +113,11 @@ static void round_trip(const shear_field_spec *s, enum shear_psf_layout psf_layo
     shear_error err = {0};
     shear_field *field = NULL;
     fixture_write(path, s);
-    if (shear_field_open(&field, path, &err) != SHEAR_OK) {
+    if (shear_field_open(&field, path, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     check_info(shear_field_get_info(field), s, psf_layout);
-    for (size_t i = 0; i < sizeof chunks / sizeof chunks[0]; i++) {
+    for (size_t i = 0; i < sizeof chunks / sizeof chunks[0]; i++)
         check_stamps(field, s, psf_layout, chunks[i]);
-    }
     double psf[9 * 7];
     for (int64_t i = 0; i < s->n_psf; i++) {
         assert_int_equal(shear_field_read_psf(field, i, psf, &err), SHEAR_OK);
@@ -201,9 +194,8 @@ static void the_rows_of_a_mosaic_run_upwards(void **state) {
     const char *path = fixture_path("order.fits");
     double pixels[16 * 24];
     for (int y = 0; y < 24; y++) { /* 2 x 3 stamps of 8 x 8, each filled with its number */
-        for (int x = 0; x < 16; x++) {
+        for (int x = 0; x < 16; x++)
             pixels[y * 16 + x] = y / 8 * 2 + x / 8;
-        }
     }
     fitsfile *f = fixture_create(path);
     int status = 0;
@@ -228,9 +220,8 @@ static void the_rows_of_a_mosaic_run_upwards(void **state) {
     assert_int_equal(shear_field_get_info(field)->geometry.psf_oversample, 1);
     assert_int_equal(shear_block_new(&b, shear_field_get_info(field), 5, &err), SHEAR_OK);
     assert_int_equal(shear_field_read(field, 0, 5, b, &err), SHEAR_OK);
-    for (int i = 0; i < 5 * 64; i++) {
+    for (int i = 0; i < 5 * 64; i++)
         assert_true(b->stamps.galaxy[i] == i / 64);
-    }
     shear_block_free(b);
     shear_field_close(field);
 }
@@ -240,9 +231,8 @@ static void layouts_may_differ(void **state) {
     (void)state;
     const char *path = fixture_path("mixed.fits");
     double pixels[16 * 8];
-    for (int i = 0; i < 16 * 8; i++) {
+    for (int i = 0; i < 16 * 8; i++)
         pixels[i] = i;
-    }
     fitsfile *f = fixture_create(path);
     fixture_append(
         f, &(fixture_image){.name = "GALAXY", .bitpix = -32, .naxis = 2, .axes = {16, 8}}, pixels);
@@ -258,9 +248,8 @@ static void layouts_may_differ(void **state) {
     assert_int_equal(shear_field_get_info(field)->n_stamps, 1);
     assert_int_equal(shear_block_new(&b, shear_field_get_info(field), 1, &err), SHEAR_OK);
     assert_int_equal(shear_field_read(field, 0, 1, b, &err), SHEAR_OK);
-    for (int i = 0; i < 16 * 8; i++) {
+    for (int i = 0; i < 16 * 8; i++)
         assert_true(b->stamps.galaxy[i] == i && b->stamps.noise[i] == i);
-    }
     shear_block_free(b);
     shear_field_close(field);
 }

@@ -44,9 +44,8 @@ static shear_field_sums *sums_of(const shear_row *rows, int n) {
     for (int from = 0; from < n; from += SHEAR_BLOCK) {
         shear_block_sums b;
         shear_block_sums_init(&b);
-        for (int i = from; i < n && i < from + SHEAR_BLOCK; i++) {
+        for (int i = from; i < n && i < from + SHEAR_BLOCK; i++)
             shear_block_sums_add(&b, &rows[i]);
-        }
         shear_field_sums_add(f, &b);
     }
     return f;
@@ -71,9 +70,8 @@ static plain plain_of(const shear_row *rows, int n, int one, long double factor)
         const long double w = (i == one ? factor : 1.0L) * r->weight;
         const long double x[8] = {r->n1,       r->n2,      r->d,           r->noise_n1,
                                   r->noise_n2, r->noise_d, r->high_galaxy, r->high_noise};
-        for (int k = 0; k < 8; k++) {
+        for (int k = 0; k < 8; k++)
             t[k] += w * x[k];
-        }
     }
     const long double a = t[6] / t[7];
     const long double d = t[2] + t[5] - a * t[5];
@@ -171,16 +169,14 @@ static void test_signal_and_weights(void **state) {
     shear_row rows[N];
     draw_rows(rows, N, 1.0, 4);
     const shear_result few = result_of(rows, N / 10);
-    for (int i = N / 10; i < N; i++) {
+    for (int i = N / 10; i < N; i++)
         rows[i].weight = 0.0;
-    }
     const shear_result all = result_of(rows, N);
     assert_near(all.signal, few.signal, 1e-9, few.signal, "no weight");
     draw_rows(rows, N, 1.0, 4);
     const shear_result uneven = result_of(rows, N);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].weight = 1.0;
-    }
     assert_near(uneven.signal, result_of(rows, N).signal, 0.1, uneven.signal, "weights");
 }
 
@@ -254,13 +250,11 @@ static void test_why_there_is_no_shear(void **state) {
         rows[i].d -= 1.1;
     }
     assert_int_equal(result_of(rows, N).why, SHEAR_NO_SIGNAL);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].d -= 1.1;
-    }
     assert_int_equal(result_of(rows, N).why, SHEAR_TOO_NARROW);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].m20 = rows[i].m02 = -1.0;
-    }
     r = result_of(rows, N);
     assert_int_equal(r.why, SHEAR_SWAPPED);
     assert_false(r.valid);
@@ -270,9 +264,8 @@ static void test_why_there_is_no_shear(void **state) {
         rows[i].d = 1e-12 * rows[i].noise_d;
     }
     assert_int_equal(result_of(rows, N).why, SHEAR_NO_DIFFERENCE);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].weight = 0.0;
-    }
     assert_int_equal(result_of(rows, N).why, SHEAR_NO_WEIGHT);
 }
 
@@ -291,9 +284,8 @@ static void test_the_same_noise_is_not_the_same_stamps(void **state) {
         rows[i].flux = 1e-9;
     }
     assert_int_equal(result_of(rows, N).why, SHEAR_NO_DIFFERENCE);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].flux = 1.0;
-    }
     assert_int_equal(result_of(rows, N).why, SHEAR_HAS_SHEAR);
 }
 
@@ -337,20 +329,16 @@ static void test_old_text(void **state) {
     char *word[200];
     int n = 0;
     assert_int_equal(shear_field_sums_format(f, &text, NULL), SHEAR_OK);
-    for (char *rest = text; rest != NULL && n < 200;) {
+    for (char *rest = text; rest != NULL && n < 200;)
         word[n++] = strsep(&rest, " ");
-    }
     char **terms = word + 5 + SHEAR_N_FLAGS + 1;
     char old[32768] = "shear-sums 1 320 320 0 0 0 0 0 0 0 0";
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         strcat(strcat(old, " "), terms[SHEAR_S_W + i]);
-    }
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; i++)
         strcat(strcat(old, " "), terms[SHEAR_S_PRODUCT + triangle[i]]);
-    }
-    for (int i = SHEAR_S_FLUX; i <= SHEAR_S_BORDER_NOISE; i++) {
+    for (int i = SHEAR_S_FLUX; i <= SHEAR_S_BORDER_NOISE; i++)
         strcat(strcat(old, " "), terms[i]);
-    }
     shear_field_sums *read = NULL;
     assert_int_equal(shear_field_sums_parse(&read, old, NULL), SHEAR_OK);
     shear_result r;

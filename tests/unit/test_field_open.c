@@ -141,9 +141,8 @@ static void memory_files(void **state) {
 
 static int count_descriptors(void) {
     int n = 0;
-    for (int fd = 0; fd < 256; fd++) {
+    for (int fd = 0; fd < 256; fd++)
         n += fcntl(fd, F_GETFD) >= 0;
-    }
     return n;
 }
 
@@ -183,9 +182,8 @@ static void *use_files(void *argument) {
                         psf[10] == floor(fabs(fixture_pixel(FIXTURE_PSF, 0, 1, 1)));
             }
             shear_field_close(field);
-            if (!right) {
+            if (!right)
                 return argument;
-            }
         }
     }
     return NULL;
@@ -209,9 +207,8 @@ static void many_threads(void **state) {
     fixture_write_like(paths[3], &plain, 4);
     fixture_patch(paths[3], "PSF", "OVERSAMP", "0");
     pthread_t threads[THREADS];
-    for (int i = 0; i < THREADS; i++) {
+    for (int i = 0; i < THREADS; i++)
         assert_int_equal(pthread_create(&threads[i], NULL, use_files, list), 0);
-    }
     for (int i = 0; i < THREADS; i++) {
         void *wrong = NULL;
         assert_int_equal(pthread_join(threads[i], &wrong), 0);
@@ -224,9 +221,8 @@ static void as_nobody(void (*act)(const char *path), const char *path) {
     const pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
-        if (geteuid() == 0 && (setegid(65534) != 0 || seteuid(65534) != 0)) {
+        if (geteuid() == 0 && (setegid(65534) != 0 || seteuid(65534) != 0))
             _exit(77);
-        }
         prctl(PR_SET_DUMPABLE, 1); /* or /proc/self would still be root's */
         act(path);
         _exit(0);
@@ -251,16 +247,14 @@ static int passed_fd = -1;
 static void open_passed(const char *path) {
     shear_field *field = NULL;
     shear_error err = {0};
-    if (open(path, O_RDONLY) >= 0) {
+    if (open(path, O_RDONLY) >= 0)
         _exit(2);
-    }
     if (shear_field_open_fd(&field, passed_fd, "passed", &err) != SHEAR_OK) {
         fprintf(stderr, "%s\n", err.message);
         _exit(3);
     }
-    if (first_pixel(field) != fixture_pixel(FIXTURE_GALAXY, 0, 0, 0)) {
+    if (first_pixel(field) != fixture_pixel(FIXTURE_GALAXY, 0, 0, 0))
         _exit(4);
-    }
     shear_field_close(field);
 }
 

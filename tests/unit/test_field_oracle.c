@@ -17,13 +17,11 @@ static void read_ours(double *out) {
     shear_field *field = NULL;
     shear_block *b = NULL;
     shear_error err = {0};
-    if (shear_field_open(&field, file(), &err) != SHEAR_OK) {
+    if (shear_field_open(&field, file(), &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     assert_int_equal(shear_block_new(&b, shear_field_get_info(field), N, NULL), SHEAR_OK);
-    if (shear_field_read(field, 0, N, b, &err) != SHEAR_OK) {
+    if (shear_field_read(field, 0, N, b, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     memcpy(out, b->galaxy, PIXELS * sizeof *out);
     shear_block_free(b);
     shear_field_close(field);

@@ -15,9 +15,8 @@ static void expect_create(const char *path, const shear_field_spec *spec, int co
     const int before = fixture_count_files();
     assert_int_equal(shear_field_create(&w, path, spec, &err), code);
     assert_null(w);
-    if (strstr(err.message, word) == NULL || strstr(err.message, path) == NULL) {
+    if (strstr(err.message, word) == NULL || strstr(err.message, path) == NULL)
         fail_msg("no '%s' and '%s' in: %s", word, path, err.message);
-    }
     assert_int_equal(fixture_count_files(), before);
 }
 
@@ -45,9 +44,8 @@ static void specs_that_cannot_be(void **state) {
     (void)state;
     const char *path = fixture_path("spec.fits");
     shear_field_spec s[20];
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; i++)
         s[i] = fixture_spec();
-    }
     s[0].geometry.nx = 7;
     s[1].geometry.ny = 1025;
     s[2].geometry.psf_nx = 2;
@@ -70,9 +68,8 @@ static void specs_that_cannot_be(void **state) {
     s[18].has_truth = true;
     s[18].sim_g2 = NAN;
     s[19].n_stamps = INT64_C(1) << 40;
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; i++)
         expect_create(path, &s[i], SHEAR_E_SETTING, "");
-    }
 }
 
 static shear_field_writer *begin(const char *path, bool overwrite) {

@@ -78,9 +78,8 @@ static void cut_each(const char *whole, int how, shear_input *input, char paths[
         const bool primary = how == EACH_PRIMARY && i != SHEAR_PART_CATALOG;
         fitsfile *f = primary ? create_bare(paths[i]) : fixture_create(paths[i]);
         const bool there = cut(whole, extnames[i], f, how == EACH_NAMED ? others[i] : "");
-        if (i == SHEAR_PART_GALAXY && there) {
+        if (i == SHEAR_PART_GALAXY && there)
             name_field(f);
-        }
         fixture_close(f);
         input->parts[i].path = there ? paths[i] : NULL;
         input->parts[i].extname = there && how == EACH_NAMED ? others[i] : NULL;
@@ -109,9 +108,8 @@ static void cut_one(const char *whole, int how, shear_input *input, char paths[]
 static shear_input cut_apart(const char *whole, int how, char paths[][256]) {
     shear_input input = shear_input_of_file(NULL);
     if (how == IN_PLACE) {
-        for (int i = 0; i < SHEAR_PART_CATALOG; i++) {
+        for (int i = 0; i < SHEAR_PART_CATALOG; i++)
             input.parts[i].path = whole;
-        }
     } else if (how == ONE_BY_NAME || how == ONE_BY_NUMBER) {
         cut_one(whole, how, &input, paths);
     } else {
@@ -124,9 +122,8 @@ static shear_input cut_apart(const char *whole, int how, char paths[][256]) {
 
 static void same_array(const void *a, const void *b, size_t bytes, const char *what) {
     assert_int_equal(a != NULL, b != NULL);
-    if (a != NULL && memcmp(a, b, bytes) != 0) {
+    if (a != NULL && memcmp(a, b, bytes) != 0)
         fail_msg("%s differ", what);
-    }
 }
 
 static void same_blocks(const shear_block *a, const shear_block *b, const shear_field_info *info) {
@@ -144,9 +141,8 @@ static void same_blocks(const shear_block *a, const shear_block *b, const shear_
     same_array(a->mask, b->mask, n * sizeof *a->mask, "masks");
     const double *const x[] = {a->x, a->y, a->ra, a->dec, a->weight, a->r_gal};
     const double *const y[] = {b->x, b->y, b->ra, b->dec, b->weight, b->r_gal};
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; i++)
         same_array(x[i], y[i], n * sizeof(double), "columns");
-    }
 }
 
 static void same_info(const shear_field_info *a, const shear_field_info *b) {
@@ -206,9 +202,8 @@ static void open_fds(const shear_input *input, int fds[SHEAR_N_PARTS]) {
 
 static void close_fds(const int fds[SHEAR_N_PARTS]) {
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        if (fds[i] >= 0) {
+        if (fds[i] >= 0)
             close(fds[i]);
-        }
     }
 }
 
@@ -240,9 +235,8 @@ static void check_cut(const char *whole, int how) {
     checksum(&input, NULL, by_path);
     open_fds(&input, fds);
     shear_input nameless = input;
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
         nameless.parts[i].path = input.parts[i].path != NULL ? "round.fits" : NULL;
-    }
     b = open_input(&nameless, fds);
     same_fields(a, b);
     checksum(&nameless, fds, by_fd);
@@ -270,9 +264,8 @@ static void every_layout_every_cut(void **state) {
         s.n_psf = kinds[i / 4].n_psf;
         s.columns = kinds[i / 4].columns;
         fixture_write(whole, &s);
-        for (int how = 0; how < N_HOW; how++) {
+        for (int how = 0; how < N_HOW; how++)
             check_cut(whole, how);
-        }
     }
     free((char *)(uintptr_t)whole);
 }
@@ -507,9 +500,8 @@ static void bad_descriptors(void **state) {
         refused(&input, wrong, SHEAR_E_IO, paths[i], "descriptor");
     }
     /* They are the caller's still, and where they were. */
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
         assert_int_equal(lseek(fds[i], 0, SEEK_CUR), 0);
-    }
     close_fds(fds);
 }
 

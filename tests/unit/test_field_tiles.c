@@ -29,9 +29,8 @@ static void rename_column(const char *name) {
         char key[16];
         char value[80] = "";
         snprintf(key, sizeof key, "TTYPE%d", i);
-        if (fixture_string(bad(), "GALAXY", key, value) && strcmp(value, name) == 0) {
+        if (fixture_string(bad(), "GALAXY", key, value) && strcmp(value, name) == 0)
             fixture_patch(bad(), "GALAXY", key, "'ELSE'");
-        }
     }
 }
 
@@ -103,14 +102,12 @@ static void expect_read(const char *word) {
     shear_field *field = NULL;
     shear_block *b = NULL;
     shear_error err = {0};
-    if (shear_field_open(&field, bad(), &err) != SHEAR_OK) {
+    if (shear_field_open(&field, bad(), &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     assert_int_equal(shear_block_new(&b, shear_field_get_info(field), 5, NULL), SHEAR_OK);
     assert_int_equal(shear_field_read(field, 0, 5, b, &err), SHEAR_E_FORMAT);
-    if (strstr(err.message, word) == NULL || strstr(err.message, "HDU GALAXY") == NULL) {
+    if (strstr(err.message, word) == NULL || strstr(err.message, "HDU GALAXY") == NULL)
         fail_msg("no '%s' in: %s", word, err.message);
-    }
     assert_int_equal(shear_field_read(field, 0, 2, b, &err), SHEAR_OK); /* the tiles before it */
     shear_block_free(b);
     shear_field_close(field);
@@ -126,9 +123,8 @@ static void patch_descriptor(int tile, int half, uint32_t value) {
     size_t size = 0;
     const size_t at = fixture_data_offset(bad(), "GALAXY") + 8 * (size_t)tile + 4 * (size_t)half;
     unsigned char *bytes = fixture_load(bad(), &size);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         bytes[at + (size_t)i] = (unsigned char)(value >> (24 - 8 * i));
-    }
     fixture_save(bad(), bytes, size);
     free(bytes);
 }

@@ -12,9 +12,8 @@ static double *read_pixels(const char *path, int chunk, shear_field_info *info) 
     shear_field *field = NULL;
     shear_block *b = NULL;
     shear_error err = {0};
-    if (shear_field_open(&field, path, &err) != SHEAR_OK) {
+    if (shear_field_open(&field, path, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     *info = *shear_field_get_info(field);
     const int64_t stamp = (int64_t)info->geometry.nx * info->geometry.ny;
     double *out = calloc((size_t)(2 * info->n_stamps * stamp), sizeof *out);
@@ -22,9 +21,8 @@ static double *read_pixels(const char *path, int chunk, shear_field_info *info) 
     for (int64_t i = 0; i < info->n_stamps; i += chunk) {
         const int64_t rest = info->n_stamps - i;
         const int count = rest < chunk ? (int)rest : chunk;
-        if (shear_field_read(field, i, count, b, &err) != SHEAR_OK) {
+        if (shear_field_read(field, i, count, b, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
-        }
         const size_t bytes = (size_t)(count * stamp) * sizeof *out;
         memcpy(out + i * stamp, b->stamps.galaxy, bytes);
         memcpy(out + (info->n_stamps + i) * stamp, b->stamps.noise, bytes);
@@ -37,9 +35,8 @@ static double *read_pixels(const char *path, int chunk, shear_field_info *info) 
 /* What fixture_write_like puts there. */
 static double written(int bitpix, int kind, int64_t i, int y, int x) {
     const double v = fixture_pixel(kind, i, y, x);
-    if (bitpix < 0) {
+    if (bitpix < 0)
         return v;
-    }
     return bitpix == 8 ? fmod(floor(fabs(v)), 200.0) : floor(fabs(v));
 }
 
@@ -59,9 +56,8 @@ static void check(const char *path, const fixture_image *image, int n, double to
             for (int y = 0; y < info.geometry.ny; y++) {
                 for (int x = 0; x < info.geometry.nx; x++, p++) {
                     const double wanted = written(image->bitpix, kind, i % n, y, x);
-                    if (!(fabs(*p - wanted) <= tolerance)) {
+                    if (!(fabs(*p - wanted) <= tolerance))
                         fail_msg("stamp %d, pixel (%d, %d): %g, not %g", (int)i, x, y, *p, wanted);
-                    }
                 }
             }
         }
@@ -109,9 +105,8 @@ static void scaled_integers(void **state) {
 /* A field of one 8 x 8 stamp whose first pixels are special. */
 static void write_special(const char *path, int bitpix, const double *special, int n, long blank) {
     double pixels[64];
-    for (int i = 0; i < 64; i++) {
+    for (int i = 0; i < 64; i++)
         pixels[i] = i < n ? special[i] : i;
-    }
     fitsfile *f = fixture_create(path);
     static const char *const names[] = {"GALAXY", "NOISE", "PSF"};
     for (int i = 0; i < 3; i++) {
@@ -199,9 +194,8 @@ static void compressed_nan(void **state) {
     const char *path = fixture_path("nan.fits.fz");
     double pixels[3 * 64];
     for (int lossy = 0; lossy < 2; lossy++) {
-        for (int i = 0; i < 3 * 64; i++) {
+        for (int i = 0; i < 3 * 64; i++)
             pixels[i] = i == 70 || i == 71 ? NAN : sin(i * i);
-        }
         fitsfile *f = fixture_create(path);
         fixture_image image = {.name = "GALAXY",
                                .bitpix = -32,
@@ -346,9 +340,8 @@ static void write_column(const char *path, const char *name, const char *form, c
     fits_write_col(f, type, 1, 1, 1, 4, (void *)(uintptr_t)values, &status);
     fits_close_file(f, &status);
     assert_int_equal(status, 0);
-    if (zero != NULL) {
+    if (zero != NULL)
         fixture_patch(path, "CATALOG", "TZERO1", zero);
-    }
 }
 
 /* Read it; *info and the block, which the caller frees. */
@@ -356,9 +349,8 @@ static shear_block *read_column(const char *path, shear_field_info *info) {
     shear_field *field = NULL;
     shear_block *b = NULL;
     shear_error err = {0};
-    if (shear_field_open(&field, path, &err) != SHEAR_OK) {
+    if (shear_field_open(&field, path, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     *info = *shear_field_get_info(field);
     assert_int_equal(shear_block_new(&b, info, 4, NULL), SHEAR_OK);
     assert_int_equal(shear_field_read(field, 0, 4, b, &err), SHEAR_OK);
@@ -376,16 +368,14 @@ static void ids_are_exact(void **state) {
     write_column(path, "ID", "K", "1", TLONGLONG, stored);
     shear_block *b = read_column(path, &info);
     assert_false(info.id_unsigned);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         assert_true(b->id[i] == stored[i] + 1);
-    }
     shear_block_free(b);
     write_column(path, "ID", "K", "9223372036854775808", TLONGLONG, stored);
     b = read_column(path, &info);
     assert_true(info.id_unsigned);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         assert_true((uint64_t)b->id[i] == (uint64_t)stored[i] + (UINT64_C(1) << 63));
-    }
     shear_block_free(b);
     write_column(path, "ID", "K", "1E3", TLONGLONG, stored);
     b = read_column(path, &info);

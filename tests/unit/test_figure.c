@@ -39,9 +39,8 @@ static const char *in_directory(const char *name) {
 static int entries(void) {
     int n = 0;
     DIR *d = opendir(directory);
-    while (d != NULL && readdir(d) != NULL) {
+    while (d != NULL && readdir(d) != NULL)
         n++;
-    }
     closedir(d);
     return n - 2; /* . and .. */
 }
@@ -287,9 +286,8 @@ static void test_negatives_are_marked_if_asked(void **state) {
 static void test_automatic_limits_are_percentiles(void **state) {
     (void)state;
     double pixels[101];
-    for (int i = 0; i <= 100; i++) {
+    for (int i = 0; i <= 100; i++)
         pixels[i] = i;
-    }
     shear_figure *f = new_figure();
     shear_image image = image_of(pixels, 101, 1);
     image.limits = (shear_range){0};
@@ -462,12 +460,10 @@ static void test_impossible_ellipses_draw_nothing(void **state) {
     shear_figure *f = new_figure();
     begin(f, (shear_range){-4, 4}, (shear_range){-4, 4}, false);
     const shear_rect r = shear_axes_frame(f);
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         shear_axes_ellipse(f, 0.0, 0.0, bad[i], 1.0, &(shear_style){.fill = 1.0});
-    }
-    for (int x = 0; x < (int)r.w; x++) {
+    for (int x = 0; x < (int)r.w; x++)
         assert_int_equal(darkness(f, r.x + x, r.y + r.h / 2), 0);
-    }
     shear_axes_end(f);
     assert_saves(f);
 }
@@ -529,9 +525,8 @@ static void test_more_labels_than_the_legend_holds(void **state) {
         "where it is cut: \xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9";
     shear_figure *f = new_figure();
     begin(f, (shear_range){0, 1}, (shear_range){0, 1}, false);
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 40; i++)
         shear_axes_hline(f, i / 40.0, &(shear_style){.label = long_label});
-    }
     shear_axes_end(f);
     assert_saves(f);
 }
@@ -541,9 +536,8 @@ static void test_more_labels_than_the_legend_holds(void **state) {
 static int ink(shear_figure *f, int x0, int y0, int x1, int y1) {
     int sum = 0;
     for (int y = y0; y < y1; y++) {
-        for (int x = x0; x < x1; x++) {
+        for (int x = x0; x < x1; x++)
             sum += darkness(f, x, y) > 200;
-        }
     }
     return sum;
 }
@@ -583,14 +577,12 @@ static void test_any_bytes_can_be_text(void **state) {
         "\xff", "\xc3", "\xe2\x88", "\xed\xa0\x80", "\xf5\x80\x80\x80",
         "_{",   "^{a",  "_",        "\x01\n",       ""};
     shear_figure *f = new_figure();
-    for (size_t i = 0; i < sizeof odd / sizeof odd[0]; i++) {
+    for (size_t i = 0; i < sizeof odd / sizeof odd[0]; i++)
         shear_figure_text(f, 10, 20.0 * (double)i, odd[i], &(shear_text_style){0});
-    }
     shear_figure_text(f, 10, 10, NULL, &(shear_text_style){0});
     char longest[1000];
-    for (size_t i = 0; i + 2 < sizeof longest; i += 2) {
+    for (size_t i = 0; i + 2 < sizeof longest; i += 2)
         memcpy(longest + i, "\xc3\xa9", 2);
-    }
     longest[sizeof longest - 2] = longest[sizeof longest - 1] = '\0';
     const double width = shear_figure_text_width(f, longest, 10.0);
     const double one = shear_figure_text_width(f, "\xc3\xa9", 10.0);

@@ -41,12 +41,10 @@ static void check_linear(double lo, double hi, int at_most) {
     shear_ticks t;
     shear_ticks_linear(&t, lo, hi, at_most);
     assert_in_range(t.n, 1, at_most);
-    for (int i = 0; i < t.n; i++) {
+    for (int i = 0; i < t.n; i++)
         assert_true(t.at[i] >= lo - 1e-8 * (hi - lo) && t.at[i] <= hi + 1e-8 * (hi - lo));
-    }
-    if (t.n < 2) {
+    if (t.n < 2)
         return;
-    }
     const double step = (t.at[t.n - 1] - t.at[0]) / (t.n - 1);
     const int mantissa = mantissa_of(step);
     assert_int_not_equal(mantissa, 0);
@@ -325,9 +323,8 @@ static void test_palette_wraps_and_differs(void **state) {
     for (int i = 0; i < SHEAR_N_HUES; i++) {
         assert_true(distance(shear_palette(i), shear_palette(i + SHEAR_N_HUES)) == 0.0);
         assert_true(distance(shear_palette(i), shear_palette(i - SHEAR_N_HUES)) == 0.0);
-        for (int j = 0; j < i; j++) {
+        for (int j = 0; j < i; j++)
             assert_true(distance(shear_palette(i), shear_palette(j)) > 0.2);
-        }
     }
     assert_true(shear_palette_faint(SHEAR_BLUE, 0.25).a == 0.25);
 }

@@ -124,9 +124,8 @@ static void check_refused(const char *filter, const char *core, const char *widt
     pair_set(&p, "core", core);
     pair_set(&p, "width", width);
     assert_int_equal(pair_try(&p, &row, &err), SHEAR_E_SETTING);
-    if (strstr(err.message, word) == NULL) {
+    if (strstr(err.message, word) == NULL)
         fail_msg("'%s' does not name %s", err.message, word);
-    }
     pair_deinit(&p);
 }
 
@@ -232,9 +231,8 @@ static void test_background(void **state) {
             pair_set(&p, "interpolation", methods[m]);
             pair_set(&p, "core", "4");
             pair_set(&p, "width", "2");
-            if (i < 4) {
+            if (i < 4)
                 pair_set(&p, "background", i < 2 ? "keep" : "noise-mean");
-            }
             for (int k = 0; i % 2 == 1 && k < 24 * 21; k++) {
                 p.galaxy[k] += 0.75;
                 p.noise[k] += 0.75;

@@ -19,9 +19,8 @@ static void assert_no_numbers(const shear_row *row) {
         row->n1,  row->n2,           row->d,           row->u,          row->v,
         row->m20, row->m02,          row->m11,         row->m4,         row->flux,
         row->snr, row->flux_removed, row->border_mean, row->border_var, row->border_var_noise};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
         assert_true(isnan(numbers[i]));
-    }
 }
 
 /* Measure COUNT stamps, the one in the middle spoilt by `spoil`: it carries `flags`, and every
@@ -32,9 +31,8 @@ static void check(const shear_settings *settings, void (*spoil)(batch *), uint32
     shear_row after[COUNT];
     batch_init(&b, COUNT, &geometry, 1.2, 40);
     b.psf_index[BAD] = BAD;
-    for (int i = 0; i < COUNT; i++) {
+    for (int i = 0; i < COUNT; i++)
         b.psf_index[i] = i != BAD && b.psf_index[i] == BAD ? 0 : b.psf_index[i];
-    }
     shear_plan *plan = batch_plan(&b, settings, true, true);
     const shear_stamps stamps = batch_full(&b);
     batch_measure(plan, &stamps, before);
@@ -75,9 +73,8 @@ static void masked(batch *b) {
 }
 
 static void constant(batch *b) {
-    for (int i = 0; i < PIXELS; i++) {
+    for (int i = 0; i < PIXELS; i++)
         b->galaxy[BAD * PIXELS + i] = 0.7;
-    }
 }
 
 static void zero(batch *b) {
@@ -202,9 +199,8 @@ static void test_each_flag(void **state) {
         settings.artefacts = SHEAR_ARTEFACTS_KEEP; /* one pixel of 1e200 would be one */
         assert_int_equal(shear_settings_set(&settings, "interpolation", pair_methods[m], NULL),
                          SHEAR_OK);
-        for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
             check(&settings, cases[i].spoil, cases[i].flags);
-        }
     }
 }
 
@@ -274,9 +270,8 @@ static void test_counts(void **state) {
     shear_block_sums_init(&good);
     for (int i = 0; i < COUNT; i++) {
         shear_block_sums_add(&all, &rows[i]);
-        if (rows[i].flags == 0) {
+        if (rows[i].flags == 0)
             shear_block_sums_add(&good, &rows[i]);
-        }
     }
     assert_int_equal(all.n_stamps, COUNT);
     assert_int_equal(all.n_used, COUNT - 3);
@@ -292,9 +287,8 @@ static void test_names(void **state) {
     (void)state;
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
         assert_true(strlen(shear_flag_name(i)) > 3 && strlen(shear_flag_help(i)) > 10);
-        for (int j = 0; j < i; j++) {
+        for (int j = 0; j < i; j++)
             assert_string_not_equal(shear_flag_name(i), shear_flag_name(j));
-        }
     }
     assert_string_equal(shear_flag_name(0), "galaxy_not_finite");
     assert_string_equal(shear_flag_name(7), "overflow");

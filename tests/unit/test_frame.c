@@ -41,9 +41,8 @@ static void feed(sheard_frame *f, const char *bytes, size_t n, char *diary) {
         size_t length = 0;
         const enum sheard_frame_event event = sheard_frame_next(f, &at, &left, &line, &length);
         assert_true(f->size <= f->limit && f->used <= f->size);
-        if (event == SHEARD_FRAME_MORE) {
+        if (event == SHEARD_FRAME_MORE)
             break;
-        }
         note(diary, event, line, length);
     }
     assert_int_equal(left, 0);
@@ -109,9 +108,8 @@ static void test_pieces_of_one_size(void **state) {
         char diary[LOG_SIZE] = "";
         sheard_frame f;
         sheard_frame_init(&f, LIMIT);
-        for (size_t at = 0; at < STREAM_SIZE; at += size) {
+        for (size_t at = 0; at < STREAM_SIZE; at += size)
             feed(&f, stream + at, size < STREAM_SIZE - at ? size : STREAM_SIZE - at, diary);
-        }
         assert_string_equal(diary, expected);
         sheard_frame_deinit(&f);
     }
@@ -154,9 +152,8 @@ static void test_memory(void **state) {
     char *bytes = malloc(LONG);
     assert_non_null(bytes);
     memset(bytes, 'x', LONG);
-    for (int i = 0; i < 10; i++) {
+    for (int i = 0; i < 10; i++)
         feed(&f, bytes, LONG / 10, diary);
-    }
     assert_int_equal(sheard_frame_pending(&f), LONG);
     assert_true(f.size == LONG);
     feed(&f, "\nnext\n", 6, diary);

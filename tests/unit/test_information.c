@@ -11,9 +11,8 @@ static double gaussian(uint64_t *seed) {
 }
 
 static void assert_about(double measured, double known) {
-    if (!(fabs(measured / known - 1.0) < 0.02)) {
+    if (!(fabs(measured / known - 1.0) < 0.02))
         fail_msg("the bound is %.5f, not %.5f", measured, known);
-    }
 }
 
 /* A Gaussian's information is 1 / sigma^2, of one component and of both. */
@@ -22,9 +21,8 @@ static void test_gaussian(void **state) {
     static shape_counts counts;
     uint64_t seed = 1;
     counts = (shape_counts){0};
-    for (int i = 0; i < 200000; i++) {
+    for (int i = 0; i < 200000; i++)
         shape_counts_add(&counts, 1.0, 0.2 * gaussian(&seed), 0.2 * gaussian(&seed));
-    }
     assert_about(shape_bound_line(&counts), 0.2);
     assert_about(shape_bound_plane(&counts), 0.2);
 }

@@ -36,9 +36,8 @@ enum { BLOCKS = 203 };
 static void field_of(const shear_block_sums *blocks, int n, shear_result *r) {
     shear_field_sums *f = NULL;
     assert_int_equal(shear_field_sums_new(&f, NULL), SHEAR_OK);
-    for (int b = 0; b < n; b++) {
+    for (int b = 0; b < n; b++)
         shear_field_sums_add(f, &blocks[b]);
-    }
     shear_field_result(f, r);
     shear_field_sums_free(f);
 }
@@ -46,9 +45,8 @@ static void field_of(const shear_block_sums *blocks, int n, shear_result *r) {
 static shear_jackknife *jackknife_of(const shear_block_sums *blocks, int n, int groups) {
     shear_jackknife *j = NULL;
     assert_int_equal(shear_jackknife_new(&j, groups, NULL), SHEAR_OK);
-    for (int b = 0; b < n; b++) {
+    for (int b = 0; b < n; b++)
         assert_int_equal(shear_jackknife_add(j, &blocks[b], NULL), SHEAR_OK);
-    }
     return j;
 }
 
@@ -63,9 +61,8 @@ static void by_hand(const shear_block_sums *blocks, int n, int groups, shear_res
         shear_block_sums rest[BLOCKS];
         int left = 0;
         for (int b = 0; b < n; b++) {
-            if (b < g * n / groups || b >= (g + 1) * n / groups) {
+            if (b < g * n / groups || b >= (g + 1) * n / groups)
                 rest[left++] = blocks[b];
-            }
         }
         shear_result of_rest;
         field_of(rest, left, &of_rest);
@@ -85,9 +82,8 @@ static void by_hand(const shear_block_sums *blocks, int n, int groups, shear_res
 }
 
 static void draw_blocks(shear_block_sums *blocks, int n, uint64_t seed) {
-    for (int b = 0; b < n; b++) {
+    for (int b = 0; b < n; b++)
         blocks[b] = draw_block(&seed);
-    }
 }
 
 static void test_by_hand(void **state) {

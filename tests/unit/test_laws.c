@@ -50,13 +50,11 @@ static void test_periodic_shift(void **state) {
 
 /* A bump of random pixels on a constant ground, far from the edges. */
 static void draw_bump(double *out, int nx, int ny, int x0, int y0, uint64_t seed) {
-    for (int i = 0; i < nx * ny; i++) {
+    for (int i = 0; i < nx * ny; i++)
         out[i] = 0.5;
-    }
     for (int y = 0; y < 8; y++) {
-        for (int x = 0; x < 8; x++) {
+        for (int x = 0; x < 8; x++)
             out[(y0 + y) * nx + x0 + x] += uniform(&seed);
-        }
     }
 }
 
@@ -111,9 +109,8 @@ static void test_sub_pixel_shift(void **state) {
 /* The stamp turned by 90 degrees, (x, y) -> (-y, x), or mirrored on the diagonal. */
 static void turn(const double *in, int nx, int ny, bool mirror, double *out) {
     for (int y = 0; y < ny; y++) {
-        for (int x = 0; x < nx; x++) {
+        for (int x = 0; x < nx; x++)
             out[x * ny + (mirror ? y : ny - 1 - y)] = in[y * nx + x];
-        }
     }
 }
 

@@ -12,26 +12,23 @@
 enum { SIDE = 64, N = SIDE * SIDE };
 
 static void assert_near(double measured, double known, double tolerance) {
-    if (!(fabs(measured - known) <= tolerance)) {
+    if (!(fabs(measured - known) <= tolerance))
         fail_msg("%.8g, not %.8g +- %.2g", measured, known, tolerance);
-    }
 }
 
 static light *new_light(enum light_psf_kind kind, double size, double e1, double e2, int reach) {
     const light_psf psf = {kind, size, {e1, e2}};
     light *l = NULL;
     shear_error err = {0};
-    if (light_new(&l, &psf, SIDE, reach, 1.0, &err) != 0) {
+    if (light_new(&l, &psf, SIDE, reach, 1.0, &err) != 0)
         fail_msg("%s", err.message);
-    }
     return l;
 }
 
 static double sum_of(const double *image) {
     double sum = 0.0;
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         sum += image[i];
-    }
     return sum;
 }
 
@@ -63,9 +60,8 @@ static void test_moffat(void **state) {
         const int y = i / 6 - 3;
         const double known = moffat_pixel(3.5, 0.1, 0.05, x, y);
         const double drawn = image[(SIDE / 2 + y) * SIDE + SIDE / 2 + x];
-        if (!(fabs(drawn - known) < 1e-5 * moffat_pixel(3.5, 0.1, 0.05, 0, 0))) {
+        if (!(fabs(drawn - known) < 1e-5 * moffat_pixel(3.5, 0.1, 0.05, 0, 0)))
             fail_msg("at (%d, %d): %.8f, not %.8f", x, y, drawn, known);
-        }
     }
     light_free(l);
 }
@@ -76,9 +72,8 @@ static void test_struts_hold_all_light(void **state) {
     light *l = new_light(LIGHT_STRUTS, 0.7, 0.0, 0.0, 8);
     light_draw_psf(l, image);
     assert_near(sum_of(image), 1.0, 1e-9);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         assert_true(image[i] > -1e-12);
-    }
     light_free(l);
 }
 
@@ -194,9 +189,8 @@ static void test_fours_are_round_together(void **state) {
 
 static const struct flaw *named(const char *name) {
     for (int i = 0; i < flaw_count(); i++) {
-        if (strcmp(flaws[i].name, name) == 0) {
+        if (strcmp(flaws[i].name, name) == 0)
             return &flaws[i];
-        }
     }
     fail_msg("no flaw is called %s", name);
     return NULL;

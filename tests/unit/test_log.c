@@ -140,9 +140,8 @@ static void test_longest(void **state) {
 
 static size_t count_lines(const char *text) {
     size_t n = 0;
-    for (; *text; text++) {
+    for (; *text; text++)
         n += *text == '\n';
-    }
     return n;
 }
 
@@ -167,17 +166,15 @@ static void test_repeats(void **state) {
 
 static void test_flush_and_a_clock_set_back(void **state) {
     (void)state;
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 7; i++)
         log_info("again");
-    }
     assert_int_equal(count_lines(written()), 5);
     log_flush();
     assert_string_equal(written(), "<6>2 times more: again\n");
     log_flush();
     assert_string_equal(written(), "");
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; i++)
         log_info("back");
-    }
     written();
     clock_ms -= 86400000;
     log_info("back");
@@ -188,9 +185,8 @@ static void test_flush_and_a_clock_set_back(void **state) {
 static void test_more_than_there_is_room_for(void **state) {
     (void)state;
     for (int i = 0; i < 60; i++) {
-        for (int k = 0; k < 6; k++) {
+        for (int k = 0; k < 6; k++)
             log_info("message %d", i);
-        }
     }
     const size_t lines = count_lines(written());
     assert_int_equal(lines, 32 * 5 + 28 * 6);
@@ -199,9 +195,8 @@ static void test_more_than_there_is_room_for(void **state) {
 }
 
 static void *log_much(void *argument) {
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < 200; i++)
         log_info("%s %d", (const char *)argument, i);
-    }
     return NULL;
 }
 
@@ -214,9 +209,8 @@ static void test_threads(void **state) {
     pthread_join(threads[1], NULL);
     const char *p = written();
     assert_int_equal(count_lines(p), 400);
-    for (; *p; p = strchr(p, '\n') + 1) {
+    for (; *p; p = strchr(p, '\n') + 1)
         assert_true(strncmp(p, "<6>one ", 7) == 0 || strncmp(p, "<6>two ", 7) == 0);
-    }
 }
 
 /* Nobody reads the pipe: who logs goes on; then all that was kept comes, whole and in order, and a
@@ -225,9 +219,8 @@ static void test_a_pipe_that_nobody_reads(void **state) {
     (void)state;
     enum { LINES = 20000, TAIL = 3 };
     static char text[1 << 20];
-    for (int i = 0; i < LINES; i++) {
+    for (int i = 0; i < LINES; i++)
         log_info("line %06d %032d", i, 0);
-    }
     const log_losses losses = log_get_losses();
     assert_true(losses.lines > 0 && losses.lines < LINES);
     assert_true(losses.waiting_bytes > 0);
@@ -242,18 +235,15 @@ static void test_a_pipe_that_nobody_reads(void **state) {
         log_flush();
         told = strstr(text, "lost here") != NULL;
         assert_true(spins < 60000);
-        if (got <= 0) {
+        if (got <= 0)
             usleep(1000);
-        }
     }
-    for (int i = 0; i < TAIL; i++) {
+    for (int i = 0; i < TAIL; i++)
         log_info("line %06d %032d", LINES + i, 0);
-    }
     assert_true(log_drain(60000));
     ssize_t got = 0;
-    while ((got = read(ends[0], text + n, sizeof text - 1 - n)) > 0) {
+    while ((got = read(ends[0], text + n, sizeof text - 1 - n)) > 0)
         n += (size_t)got;
-    }
     text[n] = '\0';
     long long next = 0;
     for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) {
@@ -276,9 +266,8 @@ static void test_a_pipe_whose_reader_is_gone(void **state) {
     (void)state;
     signal(SIGPIPE, SIG_IGN);
     close(ends[0]);
-    for (int i = 0; i < 20000; i++) {
+    for (int i = 0; i < 20000; i++)
         log_info("line %d of a pipe that leads nowhere", i);
-    }
     assert_true(log_drain(60000));
     ends[0] = open("/dev/null", O_RDONLY);
 }

@@ -127,9 +127,8 @@ static void check(const shape *s, bool warm) {
 static void test_taken_as_said(void **state) {
     (void)state;
     for (int round = 0; round < 2; round++) {
-        for (int i = 0; i < N_SHAPES; i++) {
+        for (int i = 0; i < N_SHAPES; i++)
             check(&shapes[i], round == 0);
-        }
     }
 }
 

@@ -30,9 +30,8 @@ static void test_requests(void **state) {
         size_t n = 0;
         sheard_rpc_error error = {0};
         const int rc = sheard_request_line(&line, &n, &id_7, method, &params, &error);
-        if (rc != SHEARD_RPC_OK) {
+        if (rc != SHEARD_RPC_OK)
             fail_msg("%s: %s", sheard_method_name(method), error.message);
-        }
         assert_one_line(line, n);
         sheard_request back;
         assert_int_equal(sheard_request_parse(&back, line, n - 1, NULL, &error), SHEARD_RPC_OK);
@@ -50,9 +49,8 @@ static void test_requests(void **state) {
 static bool needs_params(int method) {
     const msg_table *table = rpc_methods[method].params;
     for (size_t i = 0; i < table->n; i++) {
-        if ((table->members[i].flags & MSG_REQUIRED) != 0) {
+        if ((table->members[i].flags & MSG_REQUIRED) != 0)
             return true;
-        }
     }
     return method == SHEARD_METHOD_SUBMIT || method == SHEARD_METHOD_SUBSCRIBE;
 }
@@ -98,9 +96,8 @@ static void test_replies(void **state) {
         size_t n = 0;
         sheard_rpc_error error = {0};
         const int rc = sheard_reply_line(&line, &n, &id_7, method, &reply, &error);
-        if (rc != SHEARD_RPC_OK) {
+        if (rc != SHEARD_RPC_OK)
             fail_msg("%s: %s", sheard_method_name(method), error.message);
-        }
         assert_one_line(line, n);
         sheard_message message;
         assert_int_equal(sheard_message_parse(&message, line, n - 1, &error), SHEARD_RPC_OK);
@@ -242,9 +239,8 @@ static void test_lists_by_items(void **state) {
         fill(&reply, table, &seed);
         assert_int_equal(sheard_reply_line(&whole, &n_whole, &tricky, method, &reply, &error), 0);
         const msg_member *list = table->members;
-        while (list->type != MSG_OBJECTS) {
+        while (list->type != MSG_OBJECTS)
             list++;
-        }
         size_t *count = (size_t *)((char *)&reply + list->count_offset);
         const size_t n = *count;
         char items[1 << 16] = "";
@@ -352,9 +348,8 @@ static void given_text(const char *json, char *out, size_t size) {
     snprintf(text, sizeof text, "{\"path\": \"/a\", \"settings\": %s}", json);
     sheard_msg_submit submit;
     sheard_rpc_error error = {0};
-    if (sheard_job_file_parse(&submit, text, strlen(text), NULL, &error) != SHEARD_RPC_OK) {
+    if (sheard_job_file_parse(&submit, text, strlen(text), NULL, &error) != SHEARD_RPC_OK)
         fail_msg("%s: %s", json, error.message);
-    }
     snprintf(out, size, "%s", submit.settings != NULL ? submit.settings : "(none)");
     sheard_submit_deinit(&submit);
 }
@@ -389,9 +384,8 @@ static void test_settings_have_one_text(void **state) {
 /* Sum of bytes: a digest that the eye can follow. */
 static void add_bytes(const void *bytes, size_t n, char *hex, size_t size) {
     unsigned sum = 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         sum += ((const unsigned char *)bytes)[i];
-    }
     snprintf(hex, size, "%08x", sum);
 }
 
@@ -408,9 +402,8 @@ static void assert_canonical(const char *text) {
         char value[64];
         shear_settings_format(&defaults, &table[i], value, sizeof value);
         for (size_t k = 0; k < sizeof given / sizeof given[0]; k++) {
-            if (strcmp(table[i].name, given[k][0]) == 0) {
+            if (strcmp(table[i].name, given[k][0]) == 0)
                 snprintf(value, sizeof value, "%s", given[k][1]);
-            }
         }
         const size_t used = strlen(expected);
         snprintf(expected + used, sizeof expected - used, "%s=%s\n", table[i].name, value);
@@ -514,9 +507,8 @@ static void assert_setting(const char *name, const char *value, bool good) {
     sheard_msg_submit submit;
     sheard_rpc_error error = {0};
     const int rc = sheard_job_file_parse(&submit, text, strlen(text), NULL, &error);
-    if (good != (rc == SHEARD_RPC_OK)) {
+    if (good != (rc == SHEARD_RPC_OK))
         fail_msg("%s: %s", text, error.message);
-    }
     if (!good) {
         assert_int_equal(rc, SHEARD_RPC_BAD_SETTING);
         snprintf(text, sizeof text, "settings.%s", name);
@@ -642,9 +634,8 @@ static void test_bad_times(void **state) {
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         int64_t ms = 0;
-        if (sheard_time_parse(&ms, bad[i])) {
+        if (sheard_time_parse(&ms, bad[i]))
             fail_msg("\"%s\" was taken as a time", bad[i]);
-        }
     }
 }
 

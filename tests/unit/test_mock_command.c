@@ -43,9 +43,8 @@ static void test_help_has_the_table(void **state) {
         paragraph(table[i].name, text, sizeof text);
         shear_mock_format(&s, &table[i], value, sizeof value);
         snprintf(expected, sizeof expected, "(default %s)", value);
-        if (!said_in_words(table[i].name) && strstr(text, expected) == NULL) {
+        if (!said_in_words(table[i].name) && strstr(text, expected) == NULL)
             fail_msg("--%s: no \"%s\"", table[i].name, expected);
-        }
         if (table[i].metavar != NULL) {
             snprintf(expected, sizeof expected, "--%s %s ", table[i].name, table[i].metavar);
             assert_non_null(strstr(text, expected));
@@ -57,9 +56,8 @@ static void test_help_has_the_table(void **state) {
 static int run(const char *const *arguments) {
     char *argv[16] = {(char *)(uintptr_t) "mock"};
     int argc = 1;
-    for (; arguments[argc - 1]; argc++) {
+    for (; arguments[argc - 1]; argc++)
         argv[argc] = (char *)(uintptr_t)arguments[argc - 1];
-    }
     optind = 0; /* glibc: begin again */
     return (int)cmd_mock.run(&cmd_mock, argc, argv);
 }

@@ -10,9 +10,8 @@
 shear_mock *mock_of(const shear_mock_spec *spec) {
     shear_error err = {0};
     shear_mock *m = NULL;
-    if (shear_mock_new(&m, spec, &err) != 0) {
+    if (shear_mock_new(&m, spec, &err) != 0)
         fail_msg("%s", err.message);
-    }
     return m;
 }
 
@@ -21,9 +20,8 @@ shear_mock *mock_with(const char *const *settings) {
     shear_error err = {0};
     shear_mock_spec_init(&spec);
     for (; settings[0]; settings += 2) {
-        if (shear_mock_set(&spec, settings[0], settings[1], &err) != 0) {
+        if (shear_mock_set(&spec, settings[0], settings[1], &err) != 0)
             fail_msg("%s", err.message);
-        }
     }
     return mock_of(&spec);
 }
@@ -41,9 +39,8 @@ void make_stamps(const shear_mock *m, int64_t first, int count, int threads, dou
     shear_error err = {0};
     *galaxy = doubles(n);
     *noise = doubles(n);
-    if (shear_mock_stamps(m, first, count, threads, *galaxy, *noise, &err) != 0) {
+    if (shear_mock_stamps(m, first, count, threads, *galaxy, *noise, &err) != 0)
         fail_msg("%s", err.message);
-    }
 }
 
 double reference_psf(enum shear_mock_psf kind, double r, double angle, double dx, double dy) {
@@ -51,9 +48,8 @@ double reference_psf(enum shear_mock_psf kind, double r, double angle, double dx
     double u = (cos(a) * dx + sin(a) * dy) / r;
     double v = (-sin(a) * dx + cos(a) * dy) / r;
     double w = exp(-0.5 * (u * u + 0.8 * v * v));
-    if (kind == SHEAR_MOCK_PSF_B) {
+    if (kind == SHEAR_MOCK_PSF_B)
         w += 0.03 * exp(-(u * u + 0.2) * (v * v + 0.2));
-    }
     return w;
 }
 

@@ -47,9 +47,8 @@ static double *radii_of(const shear_mock *m, int n, size_t *count) {
     *count = 0;
     for (int i = 0; i < n; i++) {
         int points = shear_mock_points(m, i, x, y);
-        for (int k = 0; k < points; k++) {
+        for (int k = 0; k < points; k++)
             r[(*count)++] = hypot(x[k], y[k]) / s->r_gal_px;
-        }
     }
     free(x);
     free(y);
@@ -170,9 +169,8 @@ static void test_random_walk(void **state) {
     (void)state;
     shear_mock *m =
         MOCK("galaxy", "irregular", "steps", "1000", "step-size", "0.375", "r-gal", "3");
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; i++)
         check_walk(m, i);
-    }
     shear_mock_free(m);
 }
 
@@ -213,9 +211,8 @@ static void test_rotation_and_lensing(void **state) {
     check_image_points(one, 3, 0.0);
     check_image_points(two, 6, 0.0);
     check_image_points(two, 7, 90.0);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         check_image_points(four, 8 + i, 45.0 * i);
-    }
     shear_mock_free(one);
     shear_mock_free(two);
     shear_mock_free(four);

@@ -84,9 +84,8 @@ static void test_photons(void **state) {
         double *noise = noise_stamps(m, COUNT);
         size_t n = (size_t)COUNT * PIXELS;
         double level = atof(levels[k]);
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < n; i++)
             assert_true(is_count(noise[i]));
-        }
         assert_close(mean_of(noise, n), level, 4.0 * sqrt(level / (double)n));
         assert_close(variance_of(noise, n) / level, 1.0,
                      4.0 * sqrt((2.0 + 1.0 / level) / (double)n));
@@ -123,9 +122,8 @@ static void test_background_subtracted(void **state) {
     shear_mock *without = MOCK(SMALL, "photons", "12.5", "subtract-background", "yes");
     double *kept = noise_stamps(with, 2);
     double *taken = noise_stamps(without, 2);
-    for (int i = 0; i < 2 * PIXELS; i++) {
+    for (int i = 0; i < 2 * PIXELS; i++)
         assert_true(taken[i] == kept[i] - 12.5);
-    }
     free(kept);
     free(taken);
     shear_mock_free(with);
@@ -172,9 +170,8 @@ static void test_white(void **state) {
     assert_close(mean_of(noise, n), 0.0, 4.0 * sigma / sqrt((double)n));
     assert_close(variance_of(noise, n) / (sigma * sigma), 1.0, 4.0 * sqrt(2.0 / (double)n));
     double neighbours = 0.0;
-    for (size_t i = 1; i < n; i++) {
+    for (size_t i = 1; i < n; i++)
         neighbours += noise[i] * noise[i - 1] / (sigma * sigma * (double)n);
-    }
     assert_close(neighbours, 0.0, 4.0 / sqrt((double)n));
     assert_true(ks_of(noise, n, gaussian_cdf, &sigma) < 1.95);
     free(noise);

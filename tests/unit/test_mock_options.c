@@ -168,9 +168,8 @@ static void test_bad_values(void **state) {
         shear_mock_spec_init(&s);
         before = s;
         int code = shear_mock_set(&s, bad[i][0], bad[i][1], &err);
-        if (code != SHEAR_E_SETTING || strstr(err.message, bad[i][0]) == NULL) {
+        if (code != SHEAR_E_SETTING || strstr(err.message, bad[i][0]) == NULL)
             fail_msg("--%s %s: code %d, \"%s\"", bad[i][0], bad[i][1], code, err.message);
-        }
         check_equal(&s, &before);
     }
 }
@@ -213,15 +212,13 @@ static void test_contradictions(void **state) {
         shear_error err = {0};
         char named[64];
         shear_mock_spec_init(&s);
-        for (int k = 1; k < 7 && c[k] != NULL; k += 2) {
+        for (int k = 1; k < 7 && c[k] != NULL; k += 2)
             assert_int_equal(shear_mock_set(&s, c[k], c[k + 1], NULL), SHEAR_OK);
-        }
         snprintf(named, sizeof named, "'%s'", c[0]);
         assert_int_equal(shear_mock_new(&m, &s, &err), SHEAR_E_SETTING);
         assert_null(m);
-        if (strstr(err.message, named) == NULL) {
+        if (strstr(err.message, named) == NULL)
             fail_msg("no word of %s: \"%s\"", named, err.message);
-        }
     }
 }
 

@@ -32,9 +32,8 @@ static int compare_point(const shear_mock *m, double x, double y) {
         for (int i = 0; i < s->nx; i++) {
             double w = reference_psf(s->psf, s->r_psf_px, s->psf_angle_deg, i - x, j - y);
             double p = image[j * s->nx + i];
-            if (!(fabs(p - w) <= 1e-12 * w + 1e-20 * peak)) {
+            if (!(fabs(p - w) <= 1e-12 * w + 1e-20 * peak))
                 fail_msg("pixel (%d, %d): %.17g instead of %.17g", i, j, p, w);
-            }
             cut += p == 0.0;
         }
     }
@@ -85,14 +84,12 @@ static void test_points_add_up(void **state) {
     assert_int_equal(shear_mock_paint(m, 0, 3, x, y, 2.5, all, NULL), SHEAR_OK);
     for (int k = 0; k < 3; k++) {
         double *one = paint(m, x[k], y[k], 1.0);
-        for (int i = 0; i < 64 * 64; i++) {
+        for (int i = 0; i < 64 * 64; i++)
             sum[i] += 2.5 * one[i];
-        }
         free(one);
     }
-    for (int i = 0; i < 64 * 64; i++) {
+    for (int i = 0; i < 64 * 64; i++)
         assert_true(fabs(all[i] - sum[i]) <= 1e-14 * sum[i]);
-    }
     free(all);
     free(sum);
     shear_mock_free(m);
@@ -168,9 +165,8 @@ static void test_image_flux(void **state) {
         double *image = doubles(n);
         double sum = 0.0;
         shear_mock_psf_image(m, 0, image);
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < n; i++)
             sum += image[i];
-        }
         assert_close(sum / 256.0 / info->psf_flux, 1.0, k == 0 ? 1e-13 : 1e-9);
         free(image);
         shear_mock_free(m);

@@ -14,21 +14,18 @@ static void test_known_answer(void **state) {
                                        0x7e68b68aec7ba23b};
     random_sequence r;
     random_begin(&r, 0, 0, 0, 0);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         assert_int_equal(gsl_rng_get(&r.rng), answer[i] >> 32);
-    }
     random_begin(&r, 0, 0, 0, 0);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         assert_true(gsl_rng_uniform(&r.rng) == ldexp((double)(answer[i] >> 11), -53));
-    }
 }
 
 static void first_numbers(double out[6], uint64_t seed, int stream, uint64_t index, uint64_t item) {
     random_sequence r;
     random_begin(&r, seed, stream, index, item);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; i++)
         out[i] = gsl_rng_uniform(&r.rng);
-    }
 }
 
 static void test_every_name_is_another_sequence(void **state) {
@@ -45,9 +42,8 @@ static void test_every_name_is_another_sequence(void **state) {
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         first_numbers(other, names[i][0], (int)names[i][1], names[i][2], names[i][3]);
         for (int k = 0; k < 6; k++) {
-            for (int l = 0; l < 6; l++) {
+            for (int l = 0; l < 6; l++)
                 assert_true(base[k] != other[l]);
-            }
         }
     }
 }
@@ -58,13 +54,11 @@ static void test_item_restarts(void **state) {
     random_sequence r;
     first_numbers(expected, 7, RANDOM_PHOTONS, 3, 2);
     random_begin(&r, 7, RANDOM_PHOTONS, 3, 0);
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 7; i++)
         gsl_rng_uniform(&r.rng);
-    }
     random_item(&r, 2);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; i++)
         assert_true(gsl_rng_uniform(&r.rng) == expected[i]);
-    }
 }
 
 static double uniform_cdf(double x, void *context) {

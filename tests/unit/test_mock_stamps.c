@@ -16,9 +16,8 @@ static void test_flux(void **state) {
     double *galaxy, *noise;
     make_stamps(m, 0, 4, 1, &galaxy, &noise);
     double expected = 50.0 * shear_mock_get_info(m)->psf_flux * (1.0 - 0.04 - 0.09);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         assert_close(80.0 * 80.0 * mean_of(galaxy + i * 6400, 6400), expected, 1e-11 * expected);
-    }
     assert_true(mean_of(noise, 4 * 6400) == 0.0); /* no noise asked for */
     free(galaxy);
     free(noise);
@@ -65,9 +64,8 @@ static void test_shift(void **state) {
     shear_mock *none = MOCK("no-shift", "yes", "offset", "1.5,2");
     double *x = doubles(N), *y = doubles(N);
     double first[2], second[2];
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         shear_mock_centre(own, i, &x[i], &y[i]);
-    }
     assert_true(x[0] != x[1] && x[0] != y[0]);
     assert_true(ks_of(x, N, shift_cdf, NULL) < 1.95);
     assert_true(ks_of(y, N, shift_cdf, NULL) < 1.95);
@@ -169,9 +167,8 @@ static void test_noise_does_not_know_the_shear(void **state) {
         shear_mock_free(clean);
     }
     assert_memory_equal(noise[0], noise[1], PIXELS * sizeof(double));
-    for (int i = 0; i < PIXELS; i++) {
+    for (int i = 0; i < PIXELS; i++)
         assert_close(image[0][i] - image[2][i], image[1][i] - image[3][i], 1e-12);
-    }
     for (int k = 0; k < 4; k++) {
         free(image[k]);
         free(noise[k]);
@@ -213,9 +210,8 @@ static void test_galaxy_and_noise_stamps_differ(void **state) {
         double *g, *n;
         int equal = 0;
         make_stamps(m, 2, 1, 1, &g, &n);
-        for (int i = 0; i < SIDE; i++) {
+        for (int i = 0; i < SIDE; i++)
             equal += g[i] == n[i];
-        }
         assert_true(equal < SIDE / 4); /* counts of photons may coincide */
         free(g);
         free(n);
@@ -291,9 +287,8 @@ static void check_psf_of_stamp(const shear_mock *m, int64_t stamp) {
     int64_t psf = shear_mock_psf_of(m, stamp);
     assert_int_equal(shear_mock_paint(m, psf, n, u, v, amplitude, image, NULL), SHEAR_OK);
     make_stamps(m, stamp, 1, 1, &galaxy, &noise);
-    for (int i = 0; i < PIXELS; i++) {
+    for (int i = 0; i < PIXELS; i++)
         assert_close(galaxy[i], image[i], 1e-12 * image[i] + 1e-18);
-    }
     free(image);
     free(galaxy);
     free(noise);

@@ -17,9 +17,8 @@ struct place {
 
 static int set_up(void **state) {
     struct place *p = calloc(1, sizeof *p);
-    if (p == NULL) {
+    if (p == NULL)
         return -1;
-    }
     const char *tmp = getenv("TMPDIR");
     snprintf(p->dir, sizeof p->dir, "%.40s/mock-XXXXXX", tmp != NULL ? tmp : "/tmp");
     if (mkdtemp(p->dir) == NULL) {
@@ -43,9 +42,8 @@ static int files_in(const char *dir) {
     int n = 0;
     DIR *d = opendir(dir);
     assert_non_null(d);
-    while (readdir(d) != NULL) {
+    while (readdir(d) != NULL)
         n++;
-    }
     closedir(d);
     return n - 2; /* . and .. */
 }
@@ -53,9 +51,8 @@ static int files_in(const char *dir) {
 static void write_good(const shear_mock *m, const char *path, int threads) {
     shear_mock_write_options o = {.threads = threads, .overwrite = true};
     shear_error err = {0};
-    if (shear_mock_write(m, path, &o, &err) != 0) {
+    if (shear_mock_write(m, path, &o, &err) != 0)
         fail_msg("%s", err.message);
-    }
 }
 
 /* The PSF that the reader gives for stamp i. */
@@ -80,9 +77,8 @@ static void check_block(const shear_mock *m, const shear_field_info *info, const
         assert_true(b->x[i] == x && b->y[i] == y);
         if (info->psf_layout != SHEAR_PSF_ONE) {
             shear_mock_psf_image(m, shear_mock_psf_of(m, i), psf);
-            for (size_t k = 0; k < samples; k++) {
+            for (size_t k = 0; k < samples; k++)
                 assert_close(psf_of_stamp(b, i, samples)[k], psf[k], tolerance);
-            }
         }
     }
     free(galaxy);
@@ -97,9 +93,8 @@ static void check_file(const shear_mock *m, const char *path) {
     shear_error err = {0};
     shear_field *field = NULL;
     shear_block *block = NULL;
-    if (shear_field_open(&field, path, &err) != 0) {
+    if (shear_field_open(&field, path, &err) != 0)
         fail_msg("%s", err.message);
-    }
     const shear_field_info *info = shear_field_get_info(field);
     int n = (int)info->n_stamps;
     assert_int_equal(info->n_stamps, made->n_stamps);
@@ -114,9 +109,8 @@ static void check_file(const shear_mock *m, const char *path) {
     assert_int_equal(shear_block_new(&block, info, n, &err), SHEAR_OK);
     assert_int_equal(shear_field_read(field, 0, n, block, &err), SHEAR_OK);
     check_block(m, info, block, n, s->bitpix == -32 ? 1e-7 : 1e-15);
-    for (int i = 0; s->write_r_gal && i < n; i++) {
+    for (int i = 0; s->write_r_gal && i < n; i++)
         assert_true(block->r_gal[i] == s->r_gal_px);
-    }
     shear_block_free(block);
     shear_field_close(field);
 }
@@ -191,9 +185,8 @@ static void test_history(void **state) {
         char value[96], line[160];
         shear_mock_format(shear_mock_get_spec(m), &table[i], value, sizeof value);
         snprintf(line, sizeof line, "HISTORY mock %s = %s", table[i].name, value);
-        if (strstr(bytes, line) == NULL) {
+        if (strstr(bytes, line) == NULL)
             fail_msg("no card \"%s\"", line);
-        }
     }
     free(bytes);
     shear_mock_free(m);

@@ -172,14 +172,12 @@ typedef struct scene {
 static void scene_draw(scene *s, const pair *p) {
     uint64_t seed = 5;
     for (int i = 0; i < PAIRS * MOST; i++) {
-        for (int k = 0; k < PIXELS; k++) {
+        for (int k = 0; k < PIXELS; k++)
             s->noise[i][k] = uniform(&seed) - 0.5;
-        }
     }
     for (int i = 0; i < PAIRS; i++) {
-        for (int k = 0; k < PIXELS; k++) {
+        for (int k = 0; k < PIXELS; k++)
             s->galaxy[i][k] = p->galaxy[k] * (1.0 + 0.5 * i);
-        }
     }
 }
 
@@ -269,9 +267,8 @@ static void test_planes_are_averaged(void **state) {
                                                               .psf = p.psf},
                                         NULL),
                          0);
-        for (int planes = 1; planes <= MOST; planes++) {
+        for (int planes = 1; planes <= MOST; planes++)
             check_planes(plan, &s, planes, k / 2 == 1);
-        }
         shear_plan_free(plan);
         pair_deinit(&p);
     }
@@ -288,9 +285,8 @@ static void test_every_plane_is_looked_at(void **state) {
         pair p;
         draw(&p, side, "none");
         scene_draw(&s, &p);
-        if (quiet != 0) {
+        if (quiet != 0)
             memset(s.noise, 0, sizeof s.noise);
-        }
         s.noise[3][7] = NAN;
         const shear_stamps stamps = {.count = 2,
                                      .nx = NX,

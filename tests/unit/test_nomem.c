@@ -63,9 +63,8 @@ void *__wrap_calloc(size_t n, size_t size) {
 }
 
 void *__wrap_realloc(void *p, size_t n) {
-    if (refuse()) {
+    if (refuse())
         return NULL;
-    }
     void *q = __real_realloc(p, n);
     return p == NULL ? counted(q) : q;
 }
@@ -278,9 +277,8 @@ static int fill_jackknife(void *context) {
     shear_jackknife *j = NULL;
     shear_jackknife *whole = NULL;
     int code = shear_jackknife_new(&j, 5, NULL);
-    for (int i = 0; i < 600 && code == SHEAR_OK; i++) {
+    for (int i = 0; i < 600 && code == SHEAR_OK; i++)
         code = shear_jackknife_add(j, context, NULL);
-    }
     code = code == SHEAR_OK ? shear_jackknife_new(&whole, 5, NULL) : code;
     code = code == SHEAR_OK ? shear_jackknife_join(whole, j, NULL) : code;
     shear_jackknife_free(j);

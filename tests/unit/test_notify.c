@@ -20,9 +20,8 @@ static int receive_on(void) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     const size_t n = strlen(name);
     memcpy(address.sun_path, name, n);
-    if (name[0] == '@') {
+    if (name[0] == '@')
         address.sun_path[0] = '\0';
-    }
     const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0);
     assert_int_equal(bind(fd, (const struct sockaddr *)&address,
                           (socklen_t)(offsetof(struct sockaddr_un, sun_path) + n)),
@@ -98,9 +97,8 @@ static void test_full_socket_does_not_wait(void **state) {
     const int fd = receive_on();
     assert_int_equal(notify_init(&n, &err), SHEAR_OK);
     int code = SHEAR_OK;
-    for (int i = 0; i < 100000 && code == SHEAR_OK; i++) {
+    for (int i = 0; i < 100000 && code == SHEAR_OK; i++)
         code = notify_watchdog(&n, &err);
-    }
     assert_int_equal(code, SHEAR_E_IO);
     notify_deinit(&n);
     close(fd);
@@ -172,9 +170,8 @@ int main(void) {
         cmocka_unit_test(test_watchdog),
     };
     snprintf(dir, sizeof dir, "/tmp/sheard-test-XXXXXX");
-    if (mkdtemp(dir) == NULL) {
+    if (mkdtemp(dir) == NULL)
         return 1;
-    }
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     return rmdir(dir) != 0 || failed != 0;
 }

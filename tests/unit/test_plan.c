@@ -151,9 +151,8 @@ static void test_refusals(void **state) {
         .nx = 12, .ny = 10, .psf_nx = 9, .psf_ny = 9, .psf_oversample = 1};
     shear_geometry large = {.nx = 1024, .ny = 1024, .psf_nx = 9, .psf_ny = 9, .psf_oversample = 1};
     static const double bad_radii[] = {NAN, 0.0, -1.0, INFINITY};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         check_refused(&small, "auto", bad_radii[i], SHEAR_E_PSF, "scale radius");
-    }
     check_refused(&small, "auto", 1e-3, SHEAR_E_SETTING, "too large"); /* s ends at 1024 */
     check_refused(&large, "16", 1.0, SHEAR_E_SETTING, "too large");
     large.psf_nx = large.psf_ny = 3000;

@@ -87,9 +87,8 @@ static void test_one_pixel_of_galaxy(void **state) {
 /* A number of unit variance and zero mean: twelve uniform ones summed. */
 static double normal(uint64_t *seed) {
     double sum = -6.0;
-    for (int i = 0; i < 12; i++) {
+    for (int i = 0; i < 12; i++)
         sum += uniform(seed);
-    }
     return sum;
 }
 
@@ -149,9 +148,8 @@ static void test_count(void **state) {
         int n = 0;
         assert_true(plateau_init(&p, nx, ny));
         for (int jy = -(ny / 2); jy <= (ny - 1) / 2; jy++) {
-            for (int jx = -(nx / 2); jx <= (nx - 1) / 2; jx++) {
+            for (int jx = -(nx / 2); jx <= (nx - 1) / 2; jx++)
                 n += hypot((double)jx / nx, (double)jy / ny) > 0.375 + 1e-9;
-            }
         }
         assert_true(p.n == n);
         plateau_deinit(&p);

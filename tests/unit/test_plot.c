@@ -13,9 +13,8 @@ static void test_cuts_know_their_edges(void **state) {
     (void)state;
     double array[5][7];
     for (int j = 0; j < 5; j++) {
-        for (int i = 0; i < 7; i++) {
+        for (int i = 0; i < 7; i++)
             array[j][i] = 10 * j + i;
-        }
     }
     const plot_lattice lattice = {
         .nx = 7, .ny = 5, .x0 = 3.0, .y0 = 2.0, .step_x = 0.5, .step_y = 0.5};
@@ -40,17 +39,15 @@ static void test_radial_mean_of_a_radial_function(void **state) {
     (void)state;
     double array[9][9];
     for (int j = 0; j < 9; j++) {
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; i++)
             array[j][i] = floor(hypot(i - 4, j - 4) + 0.5);
-        }
     }
     const plot_lattice lattice = {
         .nx = 9, .ny = 9, .x0 = 4.0, .y0 = 4.0, .step_x = 2.0, .step_y = 2.0};
     double mean[8];
     assert_int_equal(plot_radial_mean(mean, 8, 2.0, &array[0][0], &lattice, NULL), SHEAR_OK);
-    for (int b = 0; b < 7; b++) {
+    for (int b = 0; b < 7; b++)
         assert_true(b == 7 || fabs(mean[b] - b) < 1e-13);
-    }
     assert_true(isnan(mean[7])); /* the corner is at 5.7 */
 }
 
@@ -58,9 +55,8 @@ static void test_core_centre(void **state) {
     (void)state;
     double array[20][30] = {0};
     for (int j = 0; j < 20; j++) {
-        for (int i = 0; i < 30; i++) {
+        for (int i = 0; i < 30; i++)
             array[j][i] = exp(-(pow(i - 17.0, 2) + pow(j - 6.5, 2)) / 18.0);
-        }
     }
     double x = 0.0;
     double y = 0.0;
@@ -87,9 +83,8 @@ static void test_minus_signs(void **state) {
 static void test_tables_drop_what_is_too_much(void **state) {
     (void)state;
     plot_table t = {0};
-    for (int i = 0; i < 2 * PLOT_TABLE_ROWS; i++) {
+    for (int i = 0; i < 2 * PLOT_TABLE_ROWS; i++)
         plot_table_add(&t, "key", "%0200d", i);
-    }
     assert_int_equal(t.n, PLOT_TABLE_ROWS);
     assert_int_equal(strlen(t.values[0]) < PLOT_CELL, 1);
 }
@@ -118,9 +113,8 @@ static void assert_drawn(const shear_catalog_table *t) {
     assert_int_equal(plot_catalog(&f, t, &err), SHEAR_OK);
     assert_non_null(f);
     int inked = 0;
-    for (int x = 0; x < 1280; x++) {
+    for (int x = 0; x < 1280; x++)
         inked += shear_figure_pixel(f, x, 300) != 0xffffff;
-    }
     assert_true(inked >= 6); /* at least the frames of three panels */
     shear_figure_free(f);
 }
@@ -142,9 +136,8 @@ static void test_catalogs_of_every_kind(void **state) {
     fill(&t, rows); /* all alike; missing columns are NaN */
     t.beta_px = t.r_psf_px = NAN;
     t.result.g1_err = t.result.g2_err = 0.0;
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i] = (shear_row){.n1 = 1.0, .n2 = NAN, .d = 1.0, .weight = NAN, .snr = 5.0};
-    }
     assert_drawn(&t);
     t.n = 0; /* a table without rows */
     t.result.valid = false;

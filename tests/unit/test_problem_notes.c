@@ -47,9 +47,8 @@ static void a_burst_is_logged_in_part(void **state) {
     problem_notes all = {0};
     int logged = 0;
     problem_note_add(&all, "jobs", "io", 60000, "waits");
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; i++)
         logged += problem_note_may_log(&all, "jobs", "io");
-    }
     assert_int_equal(logged, 5);
 }
 

@@ -88,9 +88,8 @@ static void affinity_counts(void **state) {
     assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
     assert_in_range(processors_count(), 1, (unsigned long)CPU_COUNT(&all));
     size_t first = 0;
-    while (!CPU_ISSET(first, &all)) {
+    while (!CPU_ISSET(first, &all))
         first++;
-    }
     CPU_ZERO(&one);
     CPU_SET(first, &one);
     assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);

@@ -13,9 +13,8 @@
 static double radius_of(const double *psf, int nx, int ny, int oversample) {
     double r = NAN;
     shear_error err = {0};
-    if (shear_psf_radius(psf, nx, ny, oversample, &r, &err) != SHEAR_OK) {
+    if (shear_psf_radius(psf, nx, ny, oversample, &r, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     return r;
 }
 
@@ -69,9 +68,8 @@ static void test_scaling(void **state) {
     gaussian_draw(&g, 20, 20, 1, psf);
     const double r = radius_of(psf, 20, 20, 1);
     assert_near(radius_of(psf, 20, 20, 4), 0.25 * r, 1e-15, r, "sampling");
-    for (int i = 0; i < 400; i++) {
+    for (int i = 0; i < 400; i++)
         psf[i] *= 1e-30;
-    }
     assert_near(radius_of(psf, 20, 20, 1), r, 1e-9, r, "flux");
 }
 
@@ -86,9 +84,8 @@ static void test_two_peaks(void **state) {
         const gaussian b = {low != 0 ? 0.55 : 1.0, 4.0, 4.0, 0.0, 36.0, 12.0};
         gaussian_draw(&a, 48, 24, 1, psf);
         gaussian_draw(&b, 48, 24, 1, second);
-        for (int i = 0; i < 48 * 24; i++) {
+        for (int i = 0; i < 48 * 24; i++)
             psf[i] += second[i];
-        }
         assert_near(radius_of(psf, 48, 24, 1), low != 0 ? 2.0 : 2.0 * sqrt(2.0), 1e-3, 2.0,
                     "two peaks");
     }
@@ -97,9 +94,8 @@ static void test_two_peaks(void **state) {
 /* A smooth function of the distance r from (20.3, 19.8). */
 static double radius_of_profile(double (*profile)(double)) {
     double psf[40 * 40];
-    for (int i = 0; i < 1600; i++) {
+    for (int i = 0; i < 1600; i++)
         psf[i] = profile(hypot(i % 40 - 20.3, i / 40 - 19.8));
-    }
     return radius_of(psf, 40, 40, 1);
 }
 
@@ -166,9 +162,8 @@ static void test_bad_psfs(void **state) {
     (void)state;
     double psf[64] = {0};
     check_bad(psf, "not positive");
-    for (int i = 0; i < 64; i++) {
+    for (int i = 0; i < 64; i++)
         psf[i] = -1.0;
-    }
     check_bad(psf, "not positive");
     psf[10] = 10.0; /* a peak, but no flux */
     check_bad(psf, "not positive");
@@ -177,9 +172,8 @@ static void test_bad_psfs(void **state) {
     check_bad(psf, "(4, 3)");
     psf[19] = INFINITY;
     check_bad(psf, "(4, 3)");
-    for (int i = 0; i < 64; i++) {
+    for (int i = 0; i < 64; i++)
         psf[i] = 1e307;
-    }
     check_bad(psf, "sum is inf");
 }
 

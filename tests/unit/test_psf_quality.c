@@ -57,9 +57,8 @@ static double *draw(profile f, int nx, int ny, double r, double dx, double dy) {
 static shear_psf_quality look(const double *psf, int nx, int ny, int oversample) {
     shear_psf_quality q;
     shear_error err = {0};
-    if (shear_psf_examine(&q, psf, nx, ny, oversample, &err) != SHEAR_OK) {
+    if (shear_psf_examine(&q, psf, nx, ny, oversample, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    }
     return q;
 }
 
@@ -81,9 +80,8 @@ static void test_good_psfs_are_silent(void **state) {
                 const double r = 1.5 * oversamples[o];
                 const int n = (int)(2.0 * 14.0 * r) / 2 * 2 + odd;
                 double *psf = draw(all[p], n, n + 3, r, 0.3, -0.4);
-                for (int b = 0; b < 2; b++) {
+                for (int b = 0; b < 2; b++)
                     assert_int_equal(flaws_of(psf, n, n + 3, oversamples[o], betas[b]), 0);
-                }
                 free(psf);
             }
         }
@@ -105,9 +103,8 @@ static void test_tiny_flaws_are_silent(void **state) {
     (void)state;
     uint64_t seed = 5;
     double *psf = draw(moffat35, 48, 48, 1.5, 0.0, 0.0);
-    for (int i = 0; i < 48 * 48; i++) {
+    for (int i = 0; i < 48 * 48; i++)
         psf[i] += 5e-5 * sin(2.9 * (i % 48)) * sin(2.5 * (i / 48)) + 1e-5 * (uniform(&seed) - 0.5);
-    }
     assert_int_equal(flaws_of(psf, 48, 48, 1, 2.3), 0);
     free(psf);
 }
@@ -119,17 +116,15 @@ static void refused(const double *psf, int nx, int ny, const char *message, cons
     shear_psf_quality q;
     assert_int_equal(shear_psf_usable(psf, nx, ny, NULL), SHEAR_E_PSF);
     assert_int_equal(shear_psf_examine(&q, psf, nx, ny, 1, &err), SHEAR_E_PSF);
-    if (strstr(err.message, message) == NULL || strstr(err.advice, advice) == NULL) {
+    if (strstr(err.message, message) == NULL || strstr(err.advice, advice) == NULL)
         fail_msg("%s; %s", err.message, err.advice);
-    }
 }
 
 /* to(x, y) = from(x - dx, y - dy), periodic. */
 static void roll(const double *from, double *to, int nx, int ny, int dx, int dy) {
     for (int y = 0; y < ny; y++) {
-        for (int x = 0; x < nx; x++) {
+        for (int x = 0; x < nx; x++)
             to[(y + dy) % ny * nx + (x + dx) % nx] = from[y * nx + x];
-        }
     }
 }
 
@@ -161,13 +156,11 @@ static void test_no_psf(void **state) {
     (void)state;
     double *psf = draw(moffat35, 25, 25, 1.5, 0.0, 0.0);
     refused(psf + 12 * 25, 25, 13, "cut through its core", "further around");
-    for (int i = 0; i < 625; i++) {
+    for (int i = 0; i < 625; i++)
         psf[i] += 2.0;
-    }
     refused(psf, 25, 25, "edge is as bright as 0.67", "background");
-    for (int i = 0; i < 625; i++) {
+    for (int i = 0; i < 625; i++)
         psf[i] = 3.0;
-    }
     refused(psf, 25, 25, "flat", "image of the PSF");
     psf[30] = NAN;
     refused(psf, 25, 25, "not finite", "image");
@@ -182,9 +175,8 @@ static void test_pedestal(void **state) {
     static const double levels[] = {-1e-2, -1e-3, 1e-4, 3e-4, 1e-3, 1e-2, 0.1};
     for (int i = 0; i < 7; i++) {
         double *psf = draw(gauss, 33, 33, 1.5, 0.0, 0.0);
-        for (int j = 0; j < 33 * 33; j++) {
+        for (int j = 0; j < 33 * 33; j++)
             psf[j] += levels[i];
-        }
         const shear_psf_quality q = look(psf, 33, 33, 1);
         assert_near(q.border, levels[i] / (1.0 + levels[i]), 1e-3, levels[i], "pedestal");
         for (int b = 0; b < 2; b++) {
@@ -203,15 +195,13 @@ static void test_cut(void **state) {
         const profile f = p != 0 ? kolmogorov : moffat25;
         double *whole = draw(f, 601, 601, 1.5, 0.0, 0.0);
         double all = 0.0;
-        for (int i = 0; i < 601 * 601; i++) {
+        for (int i = 0; i < 601 * 601; i++)
             all += whole[i];
-        }
         for (int n = p != 0 ? 19 : 11; n <= (p != 0 ? 23 : 19); n += 2) {
             double *psf = draw(f, n, n, 1.5, 0.0, 0.0);
             double sum = 0.0;
-            for (int i = 0; i < n * n; i++) {
+            for (int i = 0; i < n * n; i++)
                 sum += psf[i];
-            }
             const shear_psf_quality q = look(psf, n, n, 1);
             const double cut = 1.0 - sum / all;
             assert_true(q.cut > 0.5 * cut && q.cut < 2.5 * cut);
@@ -226,9 +216,8 @@ static void test_cut(void **state) {
 /* A Gaussian number of variance 1, nearly. */
 static double normal(uint64_t *seed) {
     double sum = -6.0;
-    for (int i = 0; i < 12; i++) {
+    for (int i = 0; i < 12; i++)
         sum += uniform(seed);
-    }
     return sum;
 }
 
@@ -246,9 +235,8 @@ static void test_noise(void **state) {
             for (double rms = 1e-6; rms < 0.02; rms *= 10.0) {
                 const double r = 1.5 * oversample;
                 double *psf = draw(gauss, n, n, r, 0.2, 0.1);
-                for (int i = 0; i < n * n; i++) {
+                for (int i = 0; i < n * n; i++)
                     psf[i] += rms * normal(&seed);
-                }
                 const shear_psf_quality q = look(psf, n, n, oversample);
                 const double noise = rms * oversample / flux_of_gaussian(r);
                 assert_near(q.noise, noise, 0.2, noise, "noise");
@@ -289,9 +277,8 @@ static void test_masked(void **state) {
     (void)state;
     double *psf = draw(moffat25, 49, 49, 1.5, 0.0, 0.0);
     double *small = draw(moffat25, 25, 25, 1.5, 0.0, 0.0);
-    for (int i = 0; i < 49 * 49; i++) {
+    for (int i = 0; i < 49 * 49; i++)
         psf[i] = hypot(i % 49 - 24, i / 49 - 24) <= 12.0 ? psf[i] : 0.0;
-    }
     const shear_psf_quality masked = look(psf, 49, 49, 1);
     const shear_psf_quality whole = look(small, 25, 25, 1);
     assert_near(masked.border, whole.border, 1e-12, whole.border, "rim");
@@ -352,9 +339,8 @@ static void test_noise_bias(void **state) {
         double c2 = 0.0;
         const double m0 = bias_with(clean, beta, &c);
         for (int i = 0; i < IMAGES; i++) {
-            for (int j = 0; j < STAMP * STAMP; j++) {
+            for (int j = 0; j < STAMP * STAMP; j++)
                 psf[j] = clean[j] + rms * normal(&seed);
-            }
             const double m = bias_with(psf, beta, &c) - m0;
             m2 += m * m / IMAGES;
             c2 += c * c / IMAGES;
@@ -392,9 +378,8 @@ static void test_summary(void **state) {
     assert_int_equal(s.flawed[SHEAR_PSF_NEGATIVE], 1);
     assert_int_equal(s.flawed[SHEAR_PSF_CUT] + s.flawed[SHEAR_PSF_UNDERSAMPLED], 0);
     assert_true(s.worst.border == -0.01 && s.worst.noise == 1e-3 && s.worst.lowest == -0.5);
-    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++)
         assert_non_null(shear_psf_flaw_name(i));
-    }
     assert_null(shear_psf_flaw_name(-1));
     assert_null(shear_psf_flaw_name(SHEAR_N_PSF_FLAWS));
 }
@@ -406,9 +391,8 @@ static void test_plan(void **state) {
     shear_plan *plan = NULL;
     pair_init(&p, 32, 32, 33, 33, 1);
     double *psf = draw(gauss, 33, 33, 1.5, 0.0, 0.0);
-    for (int i = 0; i < 33 * 33; i++) {
+    for (int i = 0; i < 33 * 33; i++)
         p.psf[i] = psf[i] + 0.01;
-    }
     shear_plan_info info;
     draw_blobs(p.galaxy, 32, 32, 3, 3.0, 1);
     pair_measure_info(&p, &info);

@@ -49,9 +49,8 @@ static void test_response(void **state) {
     const double g = 1e-3;
     const gaussian round = lensed(0.0);
     assert_true(radial_init(&q, 45.0, r_psf, beta));
-    for (int i = 0; i < q.n_r; i++) {
+    for (int i = 0; i < q.n_r; i++)
         q.profile[i] = exp(-0.5 * q.r[i] * q.r[i] / round.xx);
-    }
     radial_load(&q);
     const double unfiltered = measured_shear("auto", g) - measured_shear("auto", -g);
     assert_near(unfiltered, 2.0 * g, 1e-4, 2.0 * g, "shear without a filter");
@@ -68,9 +67,8 @@ static void test_response(void **state) {
 /* A number of unit variance and zero mean: twelve uniform ones summed. */
 static double normal(uint64_t *seed) {
     double sum = -6.0;
-    for (int i = 0; i < 12; i++) {
+    for (int i = 0; i < 12; i++)
         sum += uniform(seed);
-    }
     return sum;
 }
 
@@ -99,9 +97,8 @@ static double core_of(const sample *s) {
             galaxy[k] += s->sky + s->sigma * normal(&seed);
             noise[k] = s->sky + s->sigma * normal(&seed);
         }
-        if (s->spoil != NULL) {
+        if (s->spoil != NULL)
             s->spoil(galaxy, i);
-        }
         reach_add(&r, galaxy, noise);
     }
     assert_true(reach_core(&r, r_psf, beta, beta, &core));
@@ -127,21 +124,18 @@ static void test_core_follows_size(void **state) {
 }
 
 static void one_star(double *galaxy, int stamp) {
-    for (int i = 0; stamp == 40 && i < SIDE * SIDE; i++) {
+    for (int i = 0; stamp == 40 && i < SIDE * SIDE; i++)
         galaxy[i] += 1e4 * exp(-hypot(i % SIDE - 31.5, i / SIDE - 31.5) / 8.0);
-    }
 }
 
 static void one_hot_pixel(double *galaxy, int stamp) {
-    if (stamp == 40) {
+    if (stamp == 40)
         galaxy[20 * SIDE + 10] += 1e4;
-    }
 }
 
 static void one_not_finite(double *galaxy, int stamp) {
-    if (stamp == 40) {
+    if (stamp == 40)
         galaxy[5] = NAN;
-    }
 }
 
 static void test_nothing_decides_alone(void **state) {

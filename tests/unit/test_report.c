@@ -146,9 +146,8 @@ static void an_unopened_file_has_nulls(void **state) {
 static long live, calls, fail_at;
 
 static void *counted_malloc(size_t size) {
-    if (++calls == fail_at) {
+    if (++calls == fail_at)
         return NULL;
-    }
     void *memory = malloc(size);
     live += memory != NULL;
     return memory;

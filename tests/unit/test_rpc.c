@@ -39,15 +39,12 @@ static void assert_wrong(const wrong *w) {
         fail_msg("%s: %s (%s), expected %s", w->line, error.name, error.message,
                  sheard_rpc_code_get(w->code)->name);
     }
-    if (strcmp(id_text(&request.id, id), w->id) != 0) {
+    if (strcmp(id_text(&request.id, id), w->id) != 0)
         fail_msg("%s: id %s, expected %s", w->line, id, w->id);
-    }
-    if (strcmp(error.parameter, w->parameter != NULL ? w->parameter : "") != 0) {
+    if (strcmp(error.parameter, w->parameter != NULL ? w->parameter : "") != 0)
         fail_msg("%s: parameter \"%s\"", w->line, error.parameter);
-    }
-    if (strstr(error.message, w->said != NULL ? w->said : "") == NULL) {
+    if (strstr(error.message, w->said != NULL ? w->said : "") == NULL)
         fail_msg("%s: %s", w->line, error.message);
-    }
     assert_int_equal(request.method, -1);
     assert_int_not_equal(error.message[0], '\0');
     assert_int_not_equal(error.advice[0], '\0');
@@ -56,9 +53,8 @@ static void assert_wrong(const wrong *w) {
 }
 
 static void assert_all_wrong(const wrong *list, size_t n) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         assert_wrong(&list[i]);
-    }
 }
 #define ASSERT_ALL_WRONG(list) assert_all_wrong(list, sizeof(list) / sizeof *(list))
 
@@ -253,13 +249,11 @@ static void test_depth_limit(void **state) {
     (void)state;
     for (int depth = 1; depth <= 200; depth++) {
         char line[600] = "{\"jsonrpc\":\"2.0\",\"id\":\"deep\",\"method\":\"status\",\"params\":";
-        for (int i = 1; i < depth; i++) {
+        for (int i = 1; i < depth; i++)
             strcat(line, "[");
-        }
         strcat(line, depth == 1 ? "null" : "");
-        for (int i = 1; i < depth; i++) {
+        for (int i = 1; i < depth; i++)
             strcat(line, "]");
-        }
         strcat(line, "}");
         sheard_rpc_id id;
         const int rc = parse_code(line, strlen(line), &id);
@@ -379,9 +373,8 @@ static void test_id_equality(void **state) {
                                  {.type = SHEARD_ID_TEXT, .text = "1"},
                                  {.type = SHEARD_ID_TEXT, .text = "2"}};
     for (int i = 0; i < 5; i++) {
-        for (int k = 0; k < 5; k++) {
+        for (int k = 0; k < 5; k++)
             assert_int_equal(sheard_rpc_id_equal(&ids[i], &ids[k]), i == k);
-        }
     }
 }
 
@@ -402,9 +395,8 @@ static void test_codes(void **state) {
         assert_int_equal(sheard_rpc_code_find(info->name), i);
         assert_true((i == SHEARD_RPC_OK) == (info->advice[0] == '\0'));
         assert_true(strlen(info->advice) < sizeof((sheard_rpc_error *)0)->advice);
-        for (int k = 0; k < i; k++) {
+        for (int k = 0; k < i; k++)
             assert_int_not_equal(sheard_rpc_code_get(k)->number, info->number);
-        }
     }
     assert_ptr_equal(sheard_rpc_code_get(-1), sheard_rpc_code_get(SHEARD_RPC_UNKNOWN));
     assert_ptr_equal(sheard_rpc_code_get(SHEARD_N_RPC_CODES),
@@ -441,9 +433,8 @@ static void test_methods(void **state) {
 
 static void read_error_line(const char *line, size_t n, sheard_message *m) {
     sheard_rpc_error error = {0};
-    if (sheard_message_parse(m, line, n, &error) != SHEARD_RPC_OK) {
+    if (sheard_message_parse(m, line, n, &error) != SHEARD_RPC_OK)
         fail_msg("%s: %s", line, error.message);
-    }
     assert_int_equal(m->kind, SHEARD_MESSAGE_ERROR);
 }
 
@@ -559,9 +550,8 @@ static void test_bad_replies(void **state) {
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         sheard_message m;
         sheard_rpc_error error = {0};
-        if (sheard_message_parse(&m, bad[i], strlen(bad[i]), &error) != SHEARD_RPC_BAD_REPLY) {
+        if (sheard_message_parse(&m, bad[i], strlen(bad[i]), &error) != SHEARD_RPC_BAD_REPLY)
             fail_msg("%s was taken", bad[i]);
-        }
         assert_int_equal(error.code, SHEARD_RPC_BAD_REPLY);
         sheard_message_deinit(&m);
     }
@@ -594,9 +584,8 @@ static void test_bad_results(void **state) {
         sheard_reply reply;
         sheard_rpc_error error = {0};
         assert_int_equal(sheard_message_parse(&m, line, strlen(line), &error), SHEARD_RPC_OK);
-        if (sheard_message_reply(&m, bad[i].method, &reply, &error) != SHEARD_RPC_BAD_REPLY) {
+        if (sheard_message_reply(&m, bad[i].method, &reply, &error) != SHEARD_RPC_BAD_REPLY)
             fail_msg("%s was taken", bad[i].result);
-        }
         sheard_reply_deinit(&reply, bad[i].method);
         sheard_message_deinit(&m);
     }

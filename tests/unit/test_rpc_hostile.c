@@ -130,9 +130,8 @@ static void refuse_each(int (*act)(void *), void *what) {
             const int rc = act(what);
             const bool refused = scarce_end();
             assert_int_equal(rc, refused ? SHEARD_RPC_OUT_OF_MEMORY : SHEARD_RPC_OK);
-            if (!refused) {
+            if (!refused)
                 break;
-            }
         }
         assert_true(n > 3); /* it did ask for memory */
     }
@@ -192,12 +191,10 @@ static int read_reply(void *what) {
     char *text = NULL;
     memset(&reply, 0, sizeof reply);
     int rc = sheard_message_parse(&message, l->line, l->n, &error);
-    if (rc == SHEARD_RPC_OK) {
+    if (rc == SHEARD_RPC_OK)
         rc = sheard_message_reply(&message, l->method, &reply, &error);
-    }
-    if (rc == SHEARD_RPC_OK) {
+    if (rc == SHEARD_RPC_OK)
         rc = sheard_message_text(&message, &text, &error);
-    }
     free(text);
     sheard_reply_deinit(&reply, l->method);
     sheard_message_deinit(&message);

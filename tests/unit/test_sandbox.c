@@ -209,9 +209,8 @@ static long try_socket(const scene *s) {
 static long try_fork(const scene *s) {
     (void)s;
     const long pid = syscall(SYS_fork);
-    if (pid == 0) {
+    if (pid == 0)
         _exit(0);
-    }
     return pid;
 }
 static long try_exec(const scene *s) {
@@ -310,9 +309,8 @@ enum { N_ATTEMPTS = sizeof attempts / sizeof *attempts };
 static bool own_namespaces; /* where they can be had */
 
 static int enter(unsigned *guards) {
-    if (own_namespaces) {
+    if (own_namespaces)
         sandbox_unshare(guards);
-    }
     const sandbox_limits limits = {
         .memory_bytes = INT64_C(1) << 32, .cpu_seconds = 60, .file_bytes = 1 << 20};
     shear_error err = {0};
@@ -330,9 +328,8 @@ static int outcome(const scene *s, const attempt *a, bool sandboxed) {
     assert_true(pid >= 0);
     if (pid == 0) {
         unsigned guards = 0;
-        if (sandboxed && enter(&guards) != 0) {
+        if (sandboxed && enter(&guards) != 0)
             _exit(2);
-        }
         _exit(a->make(s) >= 0 ? 0 : 1);
     }
     assert_int_equal(waitpid(pid, &status, 0), pid);
@@ -343,9 +340,8 @@ static pid_t start_victim(void) {
     const pid_t pid = fork();
     if (pid == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
-        for (;;) {
+        for (;;)
             pause();
-        }
     }
     return pid;
 }
@@ -362,9 +358,8 @@ static void try_all(void) {
             fail_msg("%s: %s", attempts[i].what,
                      inside == 0 ? "works in the sandbox" : "no sandbox");
         }
-        if (outside != 0 && !attempts[i].everywhere) {
+        if (outside != 0 && !attempts[i].everywhere)
             fail_msg("%s: fails outside the sandbox, so it proves nothing", attempts[i].what);
-        }
     }
     int status = 0;
     assert_int_equal(waitpid(s.victim, &status, WNOHANG), 0); /* it lives */
@@ -396,17 +391,15 @@ static void test_nobody_else(void **state) {
     if (pid == 0) {
         unsigned guards = 0;
         sandbox_unshare(&guards);
-        if ((guards & SANDBOX_NAMESPACES) == 0) {
+        if ((guards & SANDBOX_NAMESPACES) == 0)
             _exit(77);
-        }
         _exit(getpid() == 1 && kill(victim, 0) != 0 && errno == ESRCH && getppid() == 0 ? 0 : 1);
     }
     assert_int_equal(waitpid(pid, &status, 0), pid);
     kill(victim, SIGKILL);
     assert_int_equal(waitpid(victim, NULL, 0), victim);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 77) {
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 77)
         skip();
-    }
     assert_int_equal(status, 0);
 }
 
@@ -439,27 +432,21 @@ static int work(const int ends[2], int file) {
     char text[16] = "";
     struct stat st;
     unsigned guards = 0;
-    if (enter(&guards) != 0) {
+    if (enter(&guards) != 0)
         return 10;
-    }
-    if ((guards & SANDBOX_SECCOMP) == 0 || (guards & SANDBOX_UNDUMPABLE) == 0) {
+    if ((guards & SANDBOX_SECCOMP) == 0 || (guards & SANDBOX_UNDUMPABLE) == 0)
         return 11;
-    }
-    if (fstat(file, &st) != 0 || st.st_size != 5 || pread(file, text, 5, 0) != 5) {
+    if (fstat(file, &st) != 0 || st.st_size != 5 || pread(file, text, 5, 0) != 5)
         return 12;
-    }
     char *memory = malloc(1 << 24);
-    if (memory == NULL || memset(memory, 1, 1 << 24) == NULL) {
+    if (memory == NULL || memset(memory, 1, 1 << 24) == NULL)
         return 13;
-    }
     free(memory);
-    if (pwrite(file, "more", 4, 5) != 4 || fcntl(file, F_DUPFD_CLOEXEC, 0) < 0) {
+    if (pwrite(file, "more", 4, 5) != 4 || fcntl(file, F_DUPFD_CLOEXEC, 0) < 0)
         return 14;
-    }
     struct rlimit limit;
-    if (getrlimit(RLIMIT_CORE, &limit) != 0 || limit.rlim_max != 0) {
+    if (getrlimit(RLIMIT_CORE, &limit) != 0 || limit.rlim_max != 0)
         return 15;
-    }
     return send(ends[1], text, 5, 0) == 5 ? 0 : 16;
 }
 
@@ -474,9 +461,8 @@ static void test_work(void **state) {
     assert_int_equal(write(file, "hello", 5), 5);
     assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends), 0);
     const pid_t pid = fork();
-    if (pid == 0) {
+    if (pid == 0)
         _exit(work(ends, file));
-    }
     assert_int_equal(waitpid(pid, &status, 0), pid);
     assert_int_equal(status, 0);
     assert_int_equal(recv(ends[0], got, sizeof got, 0), 5);
@@ -493,9 +479,8 @@ static void test_abort(void **state) {
     const pid_t pid = fork();
     if (pid == 0) {
         unsigned guards = 0;
-        if (enter(&guards) == 0) {
+        if (enter(&guards) == 0)
             abort();
-        }
         _exit(2);
     }
     assert_int_equal(waitpid(pid, &status, 0), pid);
@@ -519,9 +504,8 @@ static void test_lower_limits(void **state) {
             (geteuid() == 0 && setuid(65534) != 0)) {
             _exit(3);
         }
-        if (enter(&guards) != 0) {
+        if (enter(&guards) != 0)
             _exit(2);
-        }
         _exit(getrlimit(RLIMIT_AS, &r) == 0 && r.rlim_cur == 1 << 30 ? 0 : 1);
     }
     assert_int_equal(waitpid(pid, &status, 0), pid);

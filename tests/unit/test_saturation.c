@@ -50,9 +50,8 @@ static void add_noise(scene *s, double sky, double sigma, double gain, bool coun
 }
 
 static void clip(scene *s, double most) {
-    for (int i = 0; i < PIXELS; i++) {
+    for (int i = 0; i < PIXELS; i++)
         s->galaxy[i] = fmin(s->galaxy[i], most);
-    }
 }
 
 /* What is found, and that what is found was suspected. */
@@ -65,9 +64,8 @@ static artefact look(const scene *s) {
     const artefact found = saturation_find(&pair, sigma);
     const bool suspected = saturation_suspected(&pair, sigma);
     assert_false(found.in_noise);
-    if (found.x >= 0 && suspected) {
+    if (found.x >= 0 && suspected)
         assert_true(s->galaxy[found.y * N + found.x] == ph.galaxy_most);
-    }
     return suspected ? found : (artefact){.x = -1, .y = -1};
 }
 
@@ -124,9 +122,8 @@ static void test_copied_pixels(void **state) {
         draw(&s, 300.0, 3.0);
         add_noise(&s, 0.0, 1.0, 0.0, false);
         for (int y = 0; y < N; y++) {
-            for (int x = 0; x < N; x++) {
+            for (int x = 0; x < N; x++)
                 s.galaxy[y * N + x] = s.galaxy[y / 2 * 2 * N + x / 2 * 2];
-            }
         }
         assert_int_equal(look(&s).x, -1);
     }
@@ -138,9 +135,8 @@ static void test_symmetric_and_quiet(void **state) {
     scene s;
     const gaussian g = {100.0, 4.0, 4.0, 0.0, (N - 1) / 2.0, (N - 1) / 2.0};
     gaussian_draw(&g, N, N, 1, s.galaxy);
-    for (int i = 0; i < PIXELS; i++) {
+    for (int i = 0; i < PIXELS; i++)
         s.noise[i] = normal();
-    }
     assert_int_equal(look(&s).x, -1);
     draw(&s, 100.0, 3.0);
     add_noise(&s, 0.0, 1.0, 0.0, false);

@@ -11,16 +11,14 @@
 
 static shear_row times(shear_row r, double a2) {
     double *numbers[] = {&r.m20, &r.m02, &r.m11, &r.m4, &r.u, &r.v, &r.n1, &r.n2, &r.d};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
         *numbers[i] *= a2;
-    }
     return r;
 }
 
 static void multiply(double *x, int n, double a) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         x[i] *= a;
-    }
 }
 
 /* All moments go with the square of the flux. By a power of two nothing rounds, and without

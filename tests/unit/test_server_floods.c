@@ -14,9 +14,8 @@ static void ask(fixture *f, client *c, int64_t id) {
 }
 
 static void turns(fixture *f, int n) {
-    while (n-- > 0) {
+    while (n-- > 0)
         fx_turn(f);
-    }
 }
 
 enum { MANY = 1000 };

@@ -19,9 +19,8 @@ static void reply_metrics(fixture *f, size_t i) {
 }
 
 static void turns(fixture *f, int n) {
-    while (n-- > 0) {
+    while (n-- > 0)
         fx_turn(f);
-    }
 }
 
 /* ---- lines ---- */
@@ -57,9 +56,8 @@ static void test_short_requests_pause_reading(void **state) {
     f->hold = true;
     fx_open(f);
     cl_connect(f, &c);
-    for (int i = 0; i < 10; i++) {
+    for (int i = 0; i < 10; i++)
         ask(f, &c, i);
-    }
     FX_UNTIL(f, f->n == 3);
     turns(f, 20);
     assert_int_equal(f->n, 3);
@@ -210,9 +208,8 @@ static void test_queue_limit(void **state) {
     f->options.limits.stall_timeout_ms = 0;
     fx_open(f);
     cl_connect(f, &c);
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; i++)
         ask(f, &c, i);
-    }
     FX_UNTIL(f, f->n == 60);
     char *text = calloc(1, 100001);
     assert_non_null(text);
@@ -237,13 +234,11 @@ static void test_slow_reader_gets_everything(void **state) {
     f->options.limits.queue_bytes = 1 << 20;
     fx_open(f);
     cl_connect(f, &c);
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100; i++)
         ask(f, &c, i);
-    }
     turns(f, 50);
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100; i++)
         assert_int_equal(cl_reply(f, &c), i);
-    }
     assert_true(fx_statistics(f).bytes_out > 100 * 50000);
     cl_close(&c);
 }

@@ -31,9 +31,8 @@ static int bind_socket(const fixture *f, bool alive) {
     const int fd = socket(AF_UNIX, SOCK_STREAM, 0);
     snprintf(address.sun_path, sizeof address.sun_path, "%s", f->path);
     assert_int_equal(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
-    if (alive) {
+    if (alive)
         assert_int_equal(listen(fd, 1), 0);
-    }
     return fd;
 }
 
@@ -61,9 +60,8 @@ static void *watch(void *argument) {
         if (lstat(w->path, &st) == 0) {
             atomic_fetch_add(&w->seen, 1);
             atomic_fetch_or(&w->modes, st.st_mode & 07777);
-            if ((st.st_mode & 070) != 0 && st.st_gid != w->gid) {
+            if ((st.st_mode & 070) != 0 && st.st_gid != w->gid)
                 atomic_store(&w->foreign, true);
-            }
         }
     }
     return NULL;
@@ -161,9 +159,8 @@ static void test_busy_socket_is_alive(void **state) {
     assert_int_equal(rc, -1);
     assert_int_equal(errno, EAGAIN);
     expect_refused(f, SHEAR_E_EXISTS, "another service");
-    while (n > 0) {
+    while (n > 0)
         close(fds[--n]);
-    }
     close(fd);
 }
 
@@ -210,9 +207,8 @@ static void test_other_files_are_left_alone(void **state) {
 
 static void test_socket_of_another_user(void **state) {
     fixture *f = *state;
-    if (geteuid() != 0) {
+    if (geteuid() != 0)
         skip();
-    }
     close(bind_socket(f, true));
     assert_int_equal(chown(f->path, 12345, (gid_t)-1), 0);
     expect_refused(f, SHEAR_E_EXISTS, "this user");
@@ -226,9 +222,8 @@ static void test_group_of_others(void **state) {
     const struct group *g;
     setgrent();
     while (name[0] == '\0' && (g = getgrent())) {
-        if (g->gr_gid != 0 && g->gr_gid != 65534 && group_member(g->gr_gid) == 0) {
+        if (g->gr_gid != 0 && g->gr_gid != 65534 && group_member(g->gr_gid) == 0)
             snprintf(name, sizeof name, "%s", g->gr_name);
-        }
     }
     endgrent();
     assert_true(name[0] != '\0');

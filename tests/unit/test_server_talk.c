@@ -64,9 +64,8 @@ static void test_pipelined(void **state) {
         cl_say(f, &c, request_text(i, "metrics", NULL));
         cl_has_line(&c); /* it reads: who does not is not read from */
     }
-    for (int i = 0; i < 2000; i++) {
+    for (int i = 0; i < 2000; i++)
         assert_int_equal(cl_reply(f, &c), i);
-    }
     assert_int_equal(fx_statistics(f).requests[SHEARD_METHOD_METRICS], 2000);
     cl_close(&c);
 }
@@ -77,9 +76,8 @@ static void test_replies_out_of_order(void **state) {
     client c;
     f->hold = true;
     cl_connect(f, &c);
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; i++)
         cl_say(f, &c, request_text(100 + i, "metrics", NULL));
-    }
     FX_UNTIL(f, f->n == 5);
     for (size_t i = 0; i < 5; i++) {
         assert_true(server_is_open(f->s, f->handles[order[i]]));
@@ -120,9 +118,8 @@ static void test_reply_lines_and_errors(void **state) {
     sheard_rpc_error error;
     f->hold = true;
     cl_connect(f, &c);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         cl_say(f, &c, request_text(i, "metrics", NULL));
-    }
     FX_UNTIL(f, f->n == 3);
     sheard_rpc_fail(&error, SHEARD_RPC_QUEUE_FULL, NULL, "full");
     server_reply_error(f->s, f->handles[0], &error);
@@ -186,9 +183,8 @@ static void test_send_and_close(void **state) {
     cl_connect(f, &c);
     cl_say(f, &c, request_text(0, "metrics", NULL));
     FX_UNTIL(f, f->n == 1);
-    for (int i = 1; i <= 100; i++) {
+    for (int i = 1; i <= 100; i++)
         cl_push(&c, request_text(i, "metrics", NULL), strlen(request_text(i, "metrics", NULL)));
-    }
     cl_close(&c);
     FX_UNTIL(f, f->n_closed == 1);
     assert_int_equal(f->n, 1);
@@ -204,9 +200,8 @@ static void test_half_closed_client_is_answered(void **state) {
     cl_say(f, &c, "cut off");
     assert_int_equal(shutdown(c.fd, SHUT_WR), 0);
     FX_UNTIL(f, f->n == 1);
-    for (int i = 0; i < 50; i++) {
+    for (int i = 0; i < 50; i++)
         fx_turn(f);
-    }
     assert_int_equal(f->n_closed, 0);
     reply_metrics(f, 0);
     assert_int_equal(cl_reply(f, &c), 1);
@@ -265,9 +260,8 @@ static void test_subscriptions(void **state) {
     publish(f, progress, 11, "c");
     publish(f, SHEARD_NOTICE_SERVER_STATE, 0, NULL);
     static const int64_t to_all[] = {7, 8, 10, 11};
-    for (size_t i = 0; i < 4; i++) {
+    for (size_t i = 0; i < 4; i++)
         assert_int_equal(cl_notice(f, &all, progress), to_all[i]);
-    }
     cl_notice(f, &all, SHEARD_NOTICE_SERVER_STATE);
     assert_int_equal(cl_notice(f, &some, progress), 7);
     assert_int_equal(cl_notice(f, &some, progress), 10);

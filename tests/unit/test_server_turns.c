@@ -32,9 +32,8 @@ static void test_least_time_first(void **state) {
     }
     for (int n = 0; n < 20000; n++) {
         connection *c = users_next(&users, &clock);
-        for (int u = 0; u < PEOPLE; u++) {
+        for (int u = 0; u < PEOPLE; u++)
             assert_true(all[u][0].user->used_ns >= c->user->used_ns);
-        }
         for (size_t i = 0; i < c->user->n; i++) {
             assert_true(c->user->ready[i]->used_ns >= c->used_ns);
             assert_int_equal(c->user->ready[i]->place, i + 1);
@@ -72,9 +71,8 @@ static void test_quiet_ones_come_first(void **state) {
     uint64_t had = 0;
     for (;;) {
         users_add_ready(quiet.user, &quiet, clock);
-        if (users_next(&users, &clock) != &quiet) {
+        if (users_next(&users, &clock) != &quiet)
             break;
-        }
         users_charge(&quiet, 10000);
         had += 10000;
     }
@@ -119,15 +117,12 @@ static void toil(void) {
 static enum server_step job_step(void *context) {
     job *j = context;
     toil();
-    if (j->steps++ == 0 && n_order < 64) {
+    if (j->steps++ == 0 && n_order < 64)
         order[n_order++] = j->to;
-    }
-    if (j->method == SHEARD_METHOD_WAIT && j->steps == 1) {
+    if (j->method == SHEARD_METHOD_WAIT && j->steps == 1)
         return SERVER_PAUSE;
-    }
-    if (j->steps < STEPS) {
+    if (j->steps < STEPS)
         return SERVER_MORE;
-    }
     reply_text(j->f, j->to, j->f->reply_bytes);
     assert_false(server_is_open(j->f->s, j->to));
     return SERVER_PAUSE;
@@ -141,9 +136,8 @@ static void job_drop(void *context) {
 static void on_request(void *context, const server_request *r) {
     fixture *f = context;
     const int method = r->request->method;
-    if (f->n < FX_REQUESTS) {
+    if (f->n < FX_REQUESTS)
         f->handles[f->n] = r->handle;
-    }
     f->n++;
     if (method == SHEARD_METHOD_METRICS) {
         reply_text(f, r->handle, 1);
@@ -213,25 +207,21 @@ static void test_one_at_a_time(void **state) {
         }
     }
     for (int i = 0; i < 4; i++) {
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; k++)
             cl_reply(f, &clients[i]);
-        }
     }
     assert_int_equal(f->n, before + 12);
     assert_int_equal(n_order, 12);
     size_t had[4] = {0};
     for (size_t i = 0; i < 12; i++) {
-        for (size_t k = 0; k < 4; k++) {
+        for (size_t k = 0; k < 4; k++)
             had[k] += order[i].connection == f->handles[k].connection;
-        }
-        for (size_t k = 0; k < 16; k++) {
+        for (size_t k = 0; k < 16; k++)
             assert_true(had[k % 4] < had[k / 4] + 3);
-        }
     }
     assert_int_equal(had[0] + had[1] + had[2] + had[3], 12);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         cl_close(&clients[i]);
-    }
 }
 
 /* What somebody asked who has gone is dropped: also what has not begun. */
@@ -287,9 +277,8 @@ static void test_budget(void **state) {
     FX_UNTIL(f, fx_statistics(f).dropped >= DEAF / 2);
     ask(f, &other, "metrics");
     cl_reply(f, &other);
-    for (int i = 0; i < DEAF; i++) {
+    for (int i = 0; i < DEAF; i++)
         cl_close(&deaf[i]);
-    }
     ask(f, &other, "fields");
     cl_reply(f, &other);
     FX_UNTIL(f, fx_statistics(f).unsent_bytes == 0);
@@ -307,16 +296,14 @@ static void test_connections_of_a_user(void **state) {
     f->options.limits.reserved_connections = 2;
     fx_open(f);
     f->admins = false;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         cl_connect(f, &clients[i]);
-    }
     cl_connect(f, &more);
     cl_error(f, &more, SHEARD_RPC_TOO_MANY_CONNECTIONS);
     cl_close(&more);
     f->admins = true; /* no limit of their own */
-    for (int i = 3; i < 7; i++) {
+    for (int i = 3; i < 7; i++)
         cl_connect(f, &clients[i]);
-    }
     FX_UNTIL(f, fx_statistics(f).connections == 7);
     cl_close(&clients[0]);
     FX_UNTIL(f, fx_statistics(f).connections == 6);
@@ -331,9 +318,8 @@ static void test_connections_of_a_user(void **state) {
     cl_error(f, &more, SHEARD_RPC_TOO_MANY_CONNECTIONS);
     cl_close(&more);
     assert_int_equal(fx_statistics(f).connections, 8);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; i++)
         cl_close(&clients[i]);
-    }
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)

@@ -88,12 +88,10 @@ static void check_round_trip(const shear_settings *s, const shear_setting_def *d
     shear_error err = {0};
     memset(&other, 0x55, sizeof other);
     assert_ptr_equal(shear_settings_format(s, def, text, sizeof text), text);
-    if (shear_settings_set(&other, def->name, text, &err) != SHEAR_OK) {
+    if (shear_settings_set(&other, def->name, text, &err) != SHEAR_OK)
         fail_msg("%s = %s: %s", def->name, text, err.message);
-    }
-    if (def->type != SHEAR_T_DOUBLE || !isnan(*(const double *)member(s, def))) {
+    if (def->type != SHEAR_T_DOUBLE || !isnan(*(const double *)member(s, def)))
         assert_memory_equal(member(&other, def), member(s, def), size_of(def));
-    }
     assert_string_equal(shear_settings_format(&other, def, again, sizeof again), text);
 }
 
@@ -138,9 +136,8 @@ static void check_refused(const char *name, const char *text) {
     shear_error err = {0};
     shear_settings_init(&s);
     memcpy(&before, &s, sizeof s);
-    if (shear_settings_set(&s, name, text, &err) != SHEAR_E_SETTING) {
+    if (shear_settings_set(&s, name, text, &err) != SHEAR_E_SETTING)
         fail_msg("%s = '%s' was accepted", name, text);
-    }
     assert_int_equal(err.code, SHEAR_E_SETTING);
     assert_non_null(strstr(err.message, name));
     assert_memory_equal(&s, &before, sizeof s);
@@ -157,13 +154,11 @@ static void test_refusals(void **state) {
         char text[64];
         for (size_t k = 0; k < sizeof nonsense / sizeof nonsense[0]; k++) {
             const bool negative = table[i].type == SHEAR_T_DOUBLE && table[i].min < 0.0;
-            if (!negative || strcmp(nonsense[k], "-1") != 0) {
+            if (!negative || strcmp(nonsense[k], "-1") != 0)
                 check_refused(table[i].name, nonsense[k]);
-            }
         }
-        if (!table[i].has_auto && table[i].type != SHEAR_T_CHOICE) {
+        if (!table[i].has_auto && table[i].type != SHEAR_T_CHOICE)
             check_refused(table[i].name, "auto");
-        }
         if (table[i].type == SHEAR_T_INT) {
             check_refused(table[i].name, "1.5");
             check_refused(table[i].name, "0");
@@ -227,9 +222,8 @@ static void check_contradiction(const char *const *settings, bool good, const ch
     shear_settings s;
     shear_error err = {0};
     shear_settings_init(&s);
-    for (int i = 0; settings[i] != NULL; i += 2) {
+    for (int i = 0; settings[i] != NULL; i += 2)
         assert_int_equal(shear_settings_set(&s, settings[i], settings[i + 1], NULL), SHEAR_OK);
-    }
     assert_int_equal(shear_settings_check(&s, &err), good ? SHEAR_OK : SHEAR_E_SETTING);
     assert_true(good || strstr(err.message, word) != NULL);
 }
@@ -328,9 +322,8 @@ static void test_preset_in_any_order(void **state) {
     shear_settings expected;
     shear_settings_init(&expected);
     shear_settings_set(&expected, "preset", "zhang2010", NULL);
-    for (size_t i = 0; i < 4; i++) {
+    for (size_t i = 0; i < 4; i++)
         shear_settings_set(&expected, others[i][0], others[i][1], NULL);
-    }
     for (size_t place = 0; place <= 4; place++) {
         bool given[64] = {false};
         shear_settings s;
@@ -357,9 +350,8 @@ static void test_ranges(void **state) {
         shear_error err = {0};
         shear_settings_init(&s);
         void *value = (char *)&s + table[i].offset;
-        if (table[i].type == SHEAR_T_BOOL) {
+        if (table[i].type == SHEAR_T_BOOL)
             continue;
-        }
         if (table[i].type == SHEAR_T_DOUBLE) {
             *(double *)value = table[i].min < 0.0 ? 2.0 * table[i].min : -1.0;
         } else {

@@ -21,23 +21,19 @@ static struct { int kind, at, calls; } fault;
 /* To be called before each change; true: it fails. */
 static bool falls_here(void) {
     fault.calls++;
-    if (fault.kind == NO_FAULT || fault.calls != fault.at) {
+    if (fault.kind == NO_FAULT || fault.calls != fault.at)
         return false;
-    }
-    if (fault.kind == KILL_BEFORE) {
+    if (fault.kind == KILL_BEFORE)
         kill(getpid(), SIGKILL);
-    }
-    if (fault.kind == FAIL) {
+    if (fault.kind == FAIL)
         errno = ENOSPC;
-    }
     return fault.kind == FAIL;
 }
 
 /* To be called after it. */
 static void came_through(void) {
-    if (fault.kind == KILL_AFTER && fault.calls == fault.at) {
+    if (fault.kind == KILL_AFTER && fault.calls == fault.at)
         kill(getpid(), SIGKILL);
-    }
 }
 
 #define CHANGE(call)                                                                               \
@@ -131,12 +127,10 @@ static void found(void *context, const spool_file *file) {
     dprintf(v->ledger, "%c %s\n", content, file->key);
     snprintf(report, sizeof report, "of %c", content);
     int code = spool_dispose(v->spool, file->active_name, content != 'B', report, &place, NULL);
-    if (code == SHEAR_OK && content == 'B') {
+    if (code == SHEAR_OK && content == 'B')
         code = end_again(v, file, &place, report);
-    }
-    if (code != SHEAR_OK && spool_refuse(v->spool, file->active_name, NULL) != SHEAR_OK) {
+    if (code != SHEAR_OK && spool_refuse(v->spool, file->active_name, NULL) != SHEAR_OK)
         _exit(5);
-    }
 }
 
 static int serve(const char *directory, const char *ledger) {
@@ -145,13 +139,11 @@ static int serve(const char *directory, const char *ledger) {
     service v = {NULL, open(ledger, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600)};
     const spool_callbacks callbacks = {room, found, log_nothing, &v, NULL};
     alarm(LIFE_S);
-    if (v.ledger < 0 || uv_loop_init(&loop) != 0) {
+    if (v.ledger < 0 || uv_loop_init(&loop) != 0)
         return 6;
-    }
     fault.calls = 0;
-    if (spool_open(&v.spool, &loop, directory, &tuning, &callbacks, NULL) != SHEAR_OK) {
+    if (spool_open(&v.spool, &loop, directory, &tuning, &callbacks, NULL) != SHEAR_OK)
         return EXIT_NO_SPOOL;
-    }
     for (spool_stats stats = {0}; stats.scans == 0 || stats.waiting + stats.active > 0;
          stats = spool_get_stats(v.spool)) {
         uv_run(&loop, UV_RUN_ONCE);
@@ -202,9 +194,8 @@ static void check_ledger(const spool_fixture *f) {
     }
     fclose(file);
     assert_int_equal(unlink(path), 0);
-    for (char c = 'A'; c <= 'D'; c++) {
+    for (char c = 'A'; c <= 'D'; c++)
         assert_int_equal(strlen(keys[(int)c]), SPOOL_KEY_SIZE - 1);
-    }
 }
 
 /* The name is NAME, or numbered where a report took it first (a.fits and a.fits.json). */
@@ -219,9 +210,8 @@ static void check_ended(const spool_fixture *f, const char *folder, const char *
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
         const int fd = open(fixture_path(f, path), O_RDONLY);
         const bool it = fd >= 0 && read(fd, have, 1) == 1 && strcmp(have, want) == 0;
-        if (fd >= 0) {
+        if (fd >= 0)
             close(fd);
-        }
         if (it) {
             snprintf(path, sizeof path, "%s/%s.json", folder, names[i]);
             snprintf(text, sizeof text, "of %c", content);
@@ -246,9 +236,8 @@ static void check_end(const spool_fixture *f) {
 
 static void begin(const spool_fixture *f) {
     static const char *const folders[] = {"", "incoming", "active", "done", "failed"};
-    for (size_t i = 0; i < sizeof folders / sizeof folders[0]; i++) {
+    for (size_t i = 0; i < sizeof folders / sizeof folders[0]; i++)
         mkdir(fixture_path(f, folders[i]), 0700);
-    }
     for (int i = 0; i < N_FILES; i++) {
         char path[64];
         snprintf(path, sizeof path, "incoming/%s", files[i].name);
@@ -262,9 +251,8 @@ static void empty(const spool_fixture *f) {
         "done/a.1.fits.json",    "done/a.fits.1.json",     "done/a.fits.json.json",
         "done/z.json",           "done/z.json.json",       "failed/b.fits.gz",
         "failed/b.fits.gz.json", "done/a.fits.1.json.json"};
-    for (size_t i = 0; i < sizeof ended / sizeof ended[0]; i++) {
+    for (size_t i = 0; i < sizeof ended / sizeof ended[0]; i++)
         unlink(fixture_path(f, ended[i]));
-    }
 }
 
 /* Each change once; until a run comes to its end before the fault. */
@@ -278,9 +266,8 @@ static void loop_over_changes(spool_fixture *f, int kind, int second_kind) {
         } else {
             assert_true(code == -1 || code == 2);
         }
-        if (second_kind != NO_FAULT) {
+        if (second_kind != NO_FAULT)
             live(f, second_kind, 1 + at * 7 % 23);
-        }
         assert_int_equal(live(f, NO_FAULT, 0), 0);
         check_end(f);
         empty(f);
@@ -313,9 +300,8 @@ static void killed_at_random(void **state) {
     for (int i = 0; i < 100; i++) {
         begin(f);
         const pid_t child = fork();
-        if (child == 0) {
+        if (child == 0)
             _exit(serve(f->directory, ledger));
-        }
         assert_true(child > 0);
         usleep((useconds_t)(rand() % 4000));
         kill(child, SIGKILL);

@@ -205,9 +205,8 @@ static void found_by_its_report(void **state) {
     spool_fixture *f = *state;
     spool_place place;
     fixture_open(f);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         fail_it(f, take(f, "a.fits", "a"));
-    }
     assert_int_equal(unlink(fixture_path(f, "failed/a.1.fits")), 0);
     assert_int_equal(unlink(fixture_path(f, "failed/a.1.fits.json")), 0);
     spool_find_place(f->spool, f->found[2].active_name, 9, &place);

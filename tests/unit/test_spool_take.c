@@ -215,9 +215,8 @@ static void full_queue_leaves_files_waiting(void **state) {
     spool_fixture *f = *state;
     f->room = 2;
     only_events(f);
-    for (char name[] = "incoming/a.fits"; name[9] <= 'e'; name[9]++) {
+    for (char name[] = "incoming/a.fits"; name[9] <= 'e'; name[9]++)
         fixture_write(f, name, name);
-    }
     fixture_run_until_found(f, 2);
     fixture_run_for(f, 50);
     assert_int_equal(f->n_found, 2);
@@ -309,9 +308,8 @@ static void lost_events_are_made_up_for(void **state) {
     fixture_run_until_scans(f, 1);
     fixture_write(f, "incoming/x.part", "!");
     const long n = events_that_fit();
-    if (n > 200000) {
+    if (n > 200000)
         skip();
-    }
     char here[FIXTURE_PATH];
     char there[FIXTURE_PATH];
     snprintf(here, sizeof here, "%s", fixture_path(f, "incoming/x.part"));
@@ -337,9 +335,8 @@ static void many_files_are_each_told_once(void **state) {
         char name[64];
         snprintf(name, sizeof name, "incoming/%04d.fits", i);
         fixture_write(f, name, name);
-        if (i % 100 == 0) {
+        if (i % 100 == 0)
             uv_run(&f->loop, UV_RUN_NOWAIT);
-        }
     }
     fixture_run_until_found(f, MANY);
     fixture_run_until_scans(f, 2);

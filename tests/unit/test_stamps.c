@@ -127,13 +127,11 @@ static void test_no_psf_at_all(void **state) {
     batch_measure(plan, &stamps, rows);
     stamps.psf = b.psf; /* fewer PSFs than stamps, and no index */
     stamps.n_psf = 5;
-    for (int i = 0; i < COUNT; i++) {
+    for (int i = 0; i < COUNT; i++)
         assert_int_equal(rows[i].flags, SHEAR_FLAG_PSF_UNUSABLE);
-    }
     batch_measure(plan, &stamps, rows);
-    for (int i = 0; i < COUNT; i++) {
+    for (int i = 0; i < COUNT; i++)
         assert_int_equal(rows[i].flags, i < 5 ? 0 : SHEAR_FLAG_PSF_UNUSABLE);
-    }
     shear_plan_free(plan);
     batch_deinit(&b);
 }

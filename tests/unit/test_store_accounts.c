@@ -75,9 +75,8 @@ static void the_stamp_that_counts_most(void **state) {
         FX_OK(store_finish(f->s, id, &work, &end, &err));
         free(sums);
         const shear_influence one = fx_top(seed);
-        if (one.size > expected.size || (one.size == expected.size && one.stamp < expected.stamp)) {
+        if (one.size > expected.size || (one.size == expected.size && one.stamp < expected.stamp))
             expected = one;
-        }
         FX_OK(store_field_top(f->s, "a", "d0", &top, &account, &err));
         assert_true(top.size == expected.size);
         assert_int_equal(top.stamp, expected.stamp);

@@ -10,9 +10,8 @@
 
 static void run_sql(fixture *f, const char *sql) {
     char *message = NULL;
-    if (sqlite3_exec(f->s->db, sql, NULL, NULL, &message) != SQLITE_OK) {
+    if (sqlite3_exec(f->s->db, sql, NULL, NULL, &message) != SQLITE_OK)
         fail_msg("%s: %s", sql, message);
-    }
 }
 
 static void a_good_one_passes(void **state) {
@@ -71,9 +70,8 @@ static void contradictions_are_found(void **state) {
             run_sql(f, "ROLLBACK TO lie; RELEASE lie; PRAGMA foreign_keys = OFF; SAVEPOINT lie");
         }
         run_sql(f, lies[i]);
-        if (store_audit(f->s, &err) != SHEAR_E_FORMAT) {
+        if (store_audit(f->s, &err) != SHEAR_E_FORMAT)
             fail_msg("not found: %s", lies[i]);
-        }
         run_sql(f, "ROLLBACK TO lie; RELEASE lie; PRAGMA foreign_keys = ON");
         FX_OK(store_audit(f->s, &err));
     }
@@ -97,9 +95,8 @@ static void damage_is_found(void **state) {
         assert_int_equal(pread(fd, copy, sizeof copy, page * 4096), sizeof copy);
         assert_int_equal(pwrite(fd, noise, sizeof noise, page * 4096), sizeof noise);
         int code = store_open(&f->s, f->path, &f->options, fx_now(f), &err);
-        if (code == SHEAR_OK) {
+        if (code == SHEAR_OK)
             code = store_check(f->s, &err);
-        }
         assert_int_equal(code, SHEAR_E_FORMAT);
         assert_false(store_is_transient(code));
         fx_close(f);

@@ -37,9 +37,8 @@ static uint64_t draw(service *v, uint64_t n) {
 
 /* The child must not return into the test: any error ends it in a way that its parent sees. */
 static void must(int code) {
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         _exit(3);
-    }
 }
 
 static void tell(service *v, int64_t id, int outcome) {
@@ -50,9 +49,8 @@ static void tell(service *v, int64_t id, int outcome) {
             v->in_group = false;
         }
         const size_t size = (size_t)v->n_pending * sizeof v->pending[0];
-        if (write(v->to_clients, v->pending, size) != (ssize_t)size) {
+        if (write(v->to_clients, v->pending, size) != (ssize_t)size)
             _exit(4);
-        }
         v->n_pending = 0;
     }
 }
@@ -88,9 +86,8 @@ static void serve_next(service *v) {
     int64_t of = 0;
     enum store_state end = STORE_QUEUED;
     must(store_next(v->f->s, fx_now(v->f), &job, NULL));
-    if (job.id == 0) {
+    if (job.id == 0)
         return;
-    }
     const store_input learned = {NULL, job.source, 16};
     must(store_set_input(v->f->s, job.id, &learned, &of, NULL));
     if (draw(v, 4) == 0) {
@@ -205,9 +202,8 @@ static int64_t check_field(fixture *f, const char *name) {
     assert_int_equal(page.fields[0].jobs, n);
     store_field_page_deinit(&page);
     free(joined);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         free(texts[i]);
-    }
     return (int64_t)n;
 }
 

@@ -16,9 +16,8 @@ enum { START_MS = 1000, REOPEN_MS = 5000, MAX_CALLS = 1000 };
 /* ---- All that the database says, as one number ---- */
 
 static void mix(uint64_t *hash, const void *bytes, size_t n) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         *hash = (*hash ^ ((const unsigned char *)bytes)[i]) * 0x100000001b3u;
-    }
 }
 
 static void mix_rows(store *s, const char *sql, uint64_t *hash) {
@@ -49,9 +48,8 @@ static uint64_t said_by(store *s) {
         "SELECT * FROM sqlite_sequence",
         "SELECT * FROM sqlite_schema ORDER BY name"};
     uint64_t hash = 0xcbf29ce484222325u;
-    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++)
         mix_rows(s, tables[i], &hash);
-    }
     return hash;
 }
 
@@ -187,9 +185,8 @@ static int forget_new_field(store *s, shear_error *err) {
 static int leave(store *s, shear_error *err) {
     store_removal next;
     int code = store_next_removal(s, &next, err);
-    if (code == SHEAR_OK) {
+    if (code == SHEAR_OK)
         code = store_remove(s, &next, true, err);
-    }
     store_removal_deinit(&next);
     return code;
 }
@@ -262,9 +259,8 @@ static char *with_ending(fixture *f, const char *ending) {
 /* From a copy of the empty database: making it takes longer than all the rest. */
 static void begin(fixture *f, int mode) {
     static const char *const endings[] = {"-wal", "-journal", "-wal.synced"};
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
         unlink(with_ending(f, endings[i]));
-    }
     copy(with_ending(f, ".empty"), f->path);
     copy(f->path, with_ending(f, ".synced"));
     store_vfs_arm(VFS_SOUND, 0);
@@ -320,9 +316,8 @@ static int meaning_of(enum store_vfs_fault fault) {
 static bool strike(fixture *f, action act, const reference *r, int mode, enum store_vfs_fault fault,
                    int n) {
     shear_error err = {0};
-    if (f->s == NULL) {
+    if (f->s == NULL)
         begin(f, mode);
-    }
     store_vfs_arm(fault, n);
     const int code = act(f->s, &err);
     const bool fired = store_vfs_fired();
@@ -357,9 +352,8 @@ static void strike_from(fixture *f, int first, enum store_vfs_fault fault, int m
     for (int i = first; i < N_ACTIONS; i++) {
         const reference r = sound_run(f, actions[i], mode);
         int n = 1;
-        while (n < MAX_CALLS && strike(f, actions[i], &r, mode, fault, n)) {
+        while (n < MAX_CALLS && strike(f, actions[i], &r, mode, fault, n))
             n++;
-        }
         assert_true(n > 2 && n < MAX_CALLS); /* a write and a sync at least */
     }
     free(sums_1);
@@ -404,9 +398,8 @@ static int stubborn_group(store *s, int failure, unsigned *acknowledged) {
     shear_error err = {0};
     *acknowledged = 0;
     memset(source, 'x', sizeof source - 1);
-    if (store_begin(s, &err) != SHEAR_OK) {
+    if (store_begin(s, &err) != SHEAR_OK)
         return failure;
-    }
     for (unsigned i = 0; i < STUBBORN; i++) {
         char key[8];
         int64_t id = 0;
@@ -428,9 +421,8 @@ static unsigned keys_there(store *s) {
                        "SELECT substr(idempotency_key, 2) FROM jobs"
                        " WHERE idempotency_key IS NOT NULL",
                        -1, &stmt, NULL);
-    while (sqlite3_step(stmt) == SQLITE_ROW) {
+    while (sqlite3_step(stmt) == SQLITE_ROW)
         found |= 1u << sqlite3_column_int(stmt, 0);
-    }
     sqlite3_finalize(stmt);
     return found;
 }

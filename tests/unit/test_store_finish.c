@@ -86,9 +86,8 @@ static void the_order_of_arrival_does_not_matter(void **state) {
         assert_int_equal(page.fields[0].n_used, 15 + 14 + 16);
         store_field_page_deinit(&page);
     }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         free(sums[i]);
-    }
     free(joined);
 }
 

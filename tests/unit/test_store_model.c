@@ -45,14 +45,12 @@ static const char *name_of(const char *const *names, int which) {
 /* A job in the wanted state mostly; else any id, or one that does not exist. */
 static int64_t pick(pair *p, int state) {
     const int64_t start = 1 + draw(p, p->m->n_jobs + 2);
-    if (draw(p, 10) == 0) {
+    if (draw(p, 10) == 0)
         return start;
-    }
     for (int64_t i = 0; i <= p->m->n_jobs; i++) {
         const int64_t id = 1 + (start + i) % (p->m->n_jobs + 1);
-        if (id <= p->m->n_jobs && p->m->jobs[id].kept && p->m->jobs[id].state == state) {
+        if (id <= p->m->n_jobs && p->m->jobs[id].kept && p->m->jobs[id].state == state)
             return id;
-        }
     }
     return start;
 }
@@ -240,9 +238,8 @@ static void step(pair *p) {
 
 static void compare_text(const char *text, const char *wanted) {
     assert_int_equal(text == NULL, wanted == NULL);
-    if (text != NULL) {
+    if (text != NULL)
         assert_string_equal(text, wanted);
-    }
 }
 
 static void compare_checkpoint(pair *p, int64_t id, const model_job *wanted) {
@@ -291,13 +288,11 @@ static void compare_field(pair *p, int field, int which) {
     size_t n = 0;
     for (int64_t i = 0; i < p->m->n_contributions; i++) {
         const model_contribution *c = &p->m->contributions[i];
-        if (c->field == field && c->settings == which) {
+        if (c->field == field && c->settings == which)
             texts[n++] = p->sums[c->content][which];
-        }
     }
-    if (n == 0) {
+    if (n == 0)
         return;
-    }
     FX_OK(store_field_get(p->f.s, fields[field], &page, &err));
     const store_field *f = page.fields;
     while (strcmp(f->settings_digest, digests[which]) != 0) {
@@ -317,9 +312,8 @@ static void compare_numbers(pair *p) {
     store_totals t;
     const store_totals *w = &p->m->totals;
     int64_t jobs[STORE_N_STATES] = {0};
-    for (int64_t id = 1; id <= p->m->n_jobs; id++) {
+    for (int64_t id = 1; id <= p->m->n_jobs; id++)
         jobs[p->m->jobs[id].state] += p->m->jobs[id].kept;
-    }
     FX_OK(store_count(p->f.s, &counts, &err));
     assert_memory_equal(counts.jobs, jobs, sizeof jobs);
     FX_OK(store_total(p->f.s, &t, &err));
@@ -337,13 +331,11 @@ static void compare_numbers(pair *p) {
 
 static void compare(pair *p) {
     shear_error err = {0};
-    for (int64_t id = 1; id <= p->m->n_jobs; id++) {
+    for (int64_t id = 1; id <= p->m->n_jobs; id++)
         compare_job(p, id);
-    }
     for (int field = 0; field < FIELDS; field++) {
-        for (int which = 0; which < SETTINGS; which++) {
+        for (int which = 0; which < SETTINGS; which++)
             compare_field(p, field, which);
-        }
     }
     compare_numbers(p);
     FX_OK(store_audit(p->f.s, &err));
@@ -357,9 +349,8 @@ static pair *pair_new(fixture *f, uint64_t seed) {
     p->m->max_unfinished = MAX_UNFINISHED;
     p->random = seed;
     for (int c = 0; c < CONTENTS; c++) {
-        for (int s = 0; s < SETTINGS; s++) {
+        for (int s = 0; s < SETTINGS; s++)
             p->sums[c][s] = fx_sums((unsigned)(10 * c + s));
-        }
     }
     return p;
 }
@@ -367,9 +358,8 @@ static pair *pair_new(fixture *f, uint64_t seed) {
 static void pair_free(pair *p, fixture *f) {
     *f = p->f;
     for (int c = 0; c < CONTENTS; c++) {
-        for (int s = 0; s < SETTINGS; s++) {
+        for (int s = 0; s < SETTINGS; s++)
             free(p->sums[c][s]);
-        }
     }
     free(p->m);
     free(p->saved);
@@ -388,9 +378,8 @@ static void walk(void **state, uint64_t seed) {
     pair *p = pair_new(*state, seed);
     for (int i = 1; i <= STEPS; i++) {
         step(p);
-        if (i % COMPARE_EVERY == 0) {
+        if (i % COMPARE_EVERY == 0)
             compare(p);
-        }
     }
     check_variety(p->m);
     do_restart(p);

@@ -45,9 +45,8 @@ static void old_terms(int first, char hex[2 * USED * OLD_BYTES + 1]) {
     unsigned char bytes[USED * SHEAR_SYMMETRY_BYTES];
     new_terms(first, bytes);
     for (int i = 0, at = 0; i < USED; i++) {
-        for (int k = 0; k < OLD_BYTES; k++, at += 2) {
+        for (int k = 0; k < OLD_BYTES; k++, at += 2)
             snprintf(hex + at, 3, "%02x", bytes[i * SHEAR_SYMMETRY_BYTES + k]);
-        }
     }
 }
 

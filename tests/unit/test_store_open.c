@@ -34,9 +34,8 @@ static void run_sql(const char *path, const char *sql) {
     sqlite3 *db = NULL;
     char *message = NULL;
     assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
-    if (sqlite3_exec(db, sql, NULL, NULL, &message) != SQLITE_OK) {
+    if (sqlite3_exec(db, sql, NULL, NULL, &message) != SQLITE_OK)
         fail_msg("%s: %s", sql, message);
-    }
     sqlite3_close(db);
 }
 
@@ -237,9 +236,8 @@ static void refuses_a_foreign_one(void **state) {
 static void refuses_what_is_no_database(void **state) {
     fixture *f = *state;
     FILE *out = fopen(f->path, "w");
-    for (int i = 0; i < 1000; i++) {
+    for (int i = 0; i < 1000; i++)
         fputs("no database ", out);
-    }
     fclose(out);
     refuses_and_leaves_as_it_was(f, SHEAR_E_FORMAT);
 }

@@ -40,9 +40,8 @@ static void make_jobs(fixture *f) {
                 const store_work work = {.sums = sums, .now_ms = fx_now(f)};
                 FX_OK(store_finish(f->s, next, &work, &done, &err));
                 free(sums);
-                if (i % 4 == 0) {
+                if (i % 4 == 0)
                     FX_OK(store_retract(f->s, next, &err));
-                }
             }
         }
     }
@@ -114,9 +113,8 @@ static void a_page_of_jobs_stays_while_jobs_come(void **state) {
     shear_error err = {0};
     store_job_page page;
     store_job_filter filter = {0};
-    for (int i = 0; i < 10; i++) {
+    for (int i = 0; i < 10; i++)
         fx_submit(f, "a");
-    }
     FX_OK(store_jobs(f->s, &filter, 4, &page, &err));
     assert_int_equal(page.jobs[3].id, 7);
     filter.before = page.jobs[3].id;
@@ -139,9 +137,8 @@ static void limits_are_limited(void **state) {
     const store_job_filter all = {0};
     const store_field_filter every = {0};
     FX_OK(store_begin(f->s, &err));
-    for (int i = 0; i < STORE_PAGE_MAX + 1; i++) {
+    for (int i = 0; i < STORE_PAGE_MAX + 1; i++)
         fx_submit(f, "a");
-    }
     FX_OK(store_commit(f->s, &err));
     FX_OK(store_jobs(f->s, &all, 1000000, &page, &err));
     assert_int_equal(page.n, STORE_PAGE_MAX);
@@ -161,9 +158,8 @@ static const char *const names[] = {"A", "a", "a b", "a%", "a_", "ab", "b", "ba"
 enum { NAMES = sizeof names / sizeof names[0] };
 
 static void make_fields(fixture *f) {
-    for (int i = NAMES - 1; i >= 0; i--) {
+    for (int i = NAMES - 1; i >= 0; i--)
         fx_done(f, names[i], "c", (unsigned)i);
-    }
 }
 
 static void check_fields(fixture *f, const char *prefix, size_t limit) {
@@ -175,9 +171,8 @@ static void check_fields(fixture *f, const char *prefix, size_t limit) {
     while (page.more) {
         FX_OK(store_fields(f->s, &filter, limit, &page, &err));
         for (size_t i = 0; i < page.n; i++) {
-            while (strncmp(names[at], prefix, strlen(prefix)) != 0) {
+            while (strncmp(names[at], prefix, strlen(prefix)) != 0)
                 at++;
-            }
             char *sums = fx_sums((unsigned)at);
             assert_string_equal(page.fields[i].name, names[at++]);
             assert_string_equal(page.fields[i].sums, sums);
@@ -193,9 +188,8 @@ static void check_fields(fixture *f, const char *prefix, size_t limit) {
         store_field_page_deinit(&page);
         page.more = more;
     }
-    while (at < NAMES) {
+    while (at < NAMES)
         assert_int_not_equal(strncmp(names[at++], prefix, strlen(prefix)), 0);
-    }
 }
 
 /* The letters of SQL's patterns mean themselves; lower and upper case differ. */
@@ -204,9 +198,8 @@ static void every_prefix_and_limit_of_fields(void **state) {
     fixture *f = *state;
     make_fields(f);
     for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; i++) {
-        for (size_t limit = 1; limit < NAMES + 2; limit++) {
+        for (size_t limit = 1; limit < NAMES + 2; limit++)
             check_fields(f, prefixes[i], limit);
-        }
     }
 }
 

@@ -21,9 +21,8 @@ static const char *const small[] = {"SCAN sqlite_sequence",
 
 static bool is_small(const char *step) {
     for (size_t i = 0; i < sizeof small / sizeof small[0]; i++) {
-        if (strcmp(step, small[i]) == 0) {
+        if (strcmp(step, small[i]) == 0)
             return true;
-        }
     }
     return false;
 }
@@ -37,9 +36,8 @@ static void check_plan(store *s, const char *sql) {
         const char *step = (const char *)sqlite3_column_text(stmt, 3);
         const bool scans = strncmp(step, "SCAN", 4) == 0;
         const bool sorts = strstr(step, "TEMP B-TREE") != NULL || strstr(step, "AUTOMATIC") != NULL;
-        if ((scans && !is_small(step)) || sorts) {
+        if ((scans && !is_small(step)) || sorts)
             fail_msg("%s\n  %s", sql, step);
-        }
     }
     sqlite3_finalize(stmt);
 }
@@ -54,15 +52,13 @@ static void fill(fixture *f) {
 
 static void no_statement_scans(void **state) {
     fixture *f = *state;
-    for (int i = 0; i < SQL_N; i++) {
+    for (int i = 0; i < SQL_N; i++)
         check_plan(f->s, sql_texts[i]);
-    }
     /* Statistics must not talk SQLite into another plan. */
     fill(f);
     assert_int_equal(sqlite3_exec(f->s->db, "ANALYZE", NULL, NULL, NULL), SQLITE_OK);
-    for (int i = 0; i < SQL_N; i++) {
+    for (int i = 0; i < SQL_N; i++)
         check_plan(f->s, sql_texts[i]);
-    }
 }
 
 /* What the triggers of schema.c run, and the children that foreign keys look for. */
@@ -77,9 +73,8 @@ static void no_trigger_scans(void **state) {
         "SELECT 1 FROM contributions WHERE field = 1",
     };
     fixture *f = *state;
-    for (size_t i = 0; i < sizeof bodies / sizeof bodies[0]; i++) {
+    for (size_t i = 0; i < sizeof bodies / sizeof bodies[0]; i++)
         check_plan(f->s, bodies[i]);
-    }
 }
 
 /* The real proof: the steps of SQLite's machine that each operation takes do not grow with the
@@ -87,9 +82,8 @@ static void no_trigger_scans(void **state) {
 static int64_t steps_of(store *s) {
     int64_t steps = 0;
     for (int i = 0; i < SQL_N; i++) {
-        if (s->statements[i] != NULL) {
+        if (s->statements[i] != NULL)
             steps += sqlite3_stmt_status(s->statements[i], SQLITE_STMTSTATUS_VM_STEP, 1);
-        }
     }
     return steps;
 }

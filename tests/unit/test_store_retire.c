@@ -46,9 +46,8 @@ static void by_number_and_in_batches(void **state) {
     assert_int_equal(retire(f, INT64_MIN, 4, 5), 5);
     assert_int_equal(retire(f, INT64_MIN, 4, 5), 1);
     assert_int_equal(retire(f, INT64_MIN, 4, 5), 0);
-    for (int i = 0; i < 10; i++) {
+    for (int i = 0; i < 10; i++)
         assert_int_equal(exists(f, ids[i]), i >= 6);
-    }
     assert_int_equal(retire(f, INT64_MAX, 0, 0), 0);
     /* Both rules in one call share the batch. */
     assert_int_equal(retire(f, INT64_MAX, 0, 3), 3);

@@ -23,9 +23,8 @@ static void any_text(void **state) {
         "",    "0",     "00000", "000000",   "0000000",        "1000000",     "0000001",    "z",
         "z6.", "z:z6.", "1.5",   " 000000 ", "000000.000000.", "00000 00000", "-00000000 a"};
     (void)state;
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
         round_trip(texts[i]);
-    }
     char zeros[2000];
     for (size_t n = 0; n < sizeof zeros; n++) {
         memset(zeros, '0', n);

@@ -116,9 +116,8 @@ static void pieces_go_with_their_checkpoint(void **state) {
     const int64_t done = fx_running(f, "a", "c");
     const int64_t cancelled = fx_running(f, "a", "d");
     const int64_t changed = fx_running(f, "a", "e");
-    for (int64_t id = done; id <= changed; id++) {
+    for (int64_t id = done; id <= changed; id++)
         assert_int_equal(save(f, id, 0, 2, 0, 5), SHEAR_OK);
-    }
     finish(f, done, 0);
     assert_saved(f, done, 0);
     FX_OK(store_cancel(f->s, cancelled, fx_now(f), &end, &err));

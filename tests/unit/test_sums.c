@@ -45,9 +45,8 @@ static shear_field_sums *new_sums(void) {
 static shear_block_sums block_of(const shear_row *rows, int n) {
     shear_block_sums b;
     shear_block_sums_init(&b);
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         shear_block_sums_add(&b, &rows[i]);
-    }
     return b;
 }
 
@@ -250,13 +249,11 @@ static void test_invalid(void **state) {
         rows[i].d = -fabs(rows[i].d); /* rows 5 and 18 stay NaN, and flagged */
     }
     assert_invalid(rows, 20);
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; i++)
         rows[i].weight = 0.0;
-    }
     assert_invalid(rows, 20);
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; i++)
         rows[i].flags = SHEAR_FLAG_MASKED;
-    }
     assert_invalid(rows, 20);
 }
 
@@ -294,9 +291,8 @@ static void test_extreme_units(void **state) {
 static void check_bad_text(const char *text, const char *words) {
     shear_field_sums *f = NULL;
     shear_error err = {0};
-    if (shear_field_sums_parse(&f, text, &err) != SHEAR_E_FORMAT) {
+    if (shear_field_sums_parse(&f, text, &err) != SHEAR_E_FORMAT)
         fail_msg("accepted: %s", text);
-    }
     assert_null(f);
     assert_int_equal(err.code, SHEAR_E_FORMAT);
     assert_true(words == NULL || strstr(err.message, words) != NULL);
@@ -321,9 +317,8 @@ static void check_replaced(const char *good, int word, const char *by, const cha
 static void check_words(const char *good, int from, int to, const char *const *bad,
                         const char *words) {
     for (int word = from; word < to; word++) {
-        for (size_t i = 0; bad[i] != NULL; i++) {
+        for (size_t i = 0; bad[i] != NULL; i++)
             check_replaced(good, word, bad[i], words);
-        }
         check_replaced(good, word, NULL, words);
     }
 }
@@ -334,9 +329,8 @@ static void test_bad_text(void **state) {
     char *good = NULL;
     shear_field_sums *f = new_sums();
     draw_rows(rows, 40, 6);
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 40; i++)
         rows[i].stamp = 100 + i;
-    }
     const shear_block_sums block = block_of(rows, 40);
     shear_field_sums_add(f, &block);
     assert_int_equal(shear_field_sums_format(f, &good, NULL), SHEAR_OK);

@@ -28,9 +28,8 @@ static bool refine(const double *pixels, int nx, int ny, enum shear_interpolatio
         surface_strip(&im, &grid, x0, 0, grid.fine_ny, strip);
         for (int i = 0; i < grid.fine_ny * FFT_LANES; i++) {
             const int x = x0 + i % FFT_LANES;
-            if (x < grid.fine_nx) {
+            if (x < grid.fine_nx)
                 fine[i / FFT_LANES * grid.fine_nx + x] = strip[i];
-            }
         }
     }
     surface_deinit(&im);
@@ -46,9 +45,8 @@ static void refine_good(const double *pixels, int nx, int ny, enum shear_interpo
 }
 
 static void draw(double *out, int n, uint64_t seed) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         out[i] = 0.05 + uniform(&seed);
-    }
 }
 
 static void test_bilinear(void **state) {
@@ -103,9 +101,8 @@ static void coefficients(const double *a, int nx, int ny, int x, int y, double c
     for (int m = 0; m < 4; m++) {
         for (int n = 0; n < 4; n++) {
             c[m][n] = 0.0;
-            for (int i = 0; i < 16; i++) {
+            for (int i = 0; i < 16; i++)
                 c[m][n] += h[m][i / 4] * f[i / 4][i % 4] * h[n][i % 4];
-            }
         }
     }
 }
@@ -123,9 +120,8 @@ static void test_bicubic(void **state) {
             double expected = 0.0;
             coefficients(a, NX, NY, x / S, y / S, c);
             for (int m = 0; m < 4; m++) {
-                for (int n = 0; n < 4; n++) {
+                for (int n = 0; n < 4; n++)
                     expected += c[m][n] * pow((x % S) / (double)S, m) * pow((y % S) / (double)S, n);
-                }
             }
             assert_near(fine[y * NX * S + x], expected, 1e-13, 1.0, "bicubic");
         }
@@ -141,9 +137,8 @@ static void test_logs(void **state) {
     static double fine[MAX_POINTS];
     static double fine_logs[MAX_POINTS];
     draw(a, NX * NY, 3);
-    for (int i = 0; i < NX * NY; i++) {
+    for (int i = 0; i < NX * NY; i++)
         logs[i] = log(a[i] + 0.25);
-    }
     static const enum shear_interpolation methods[] = {SHEAR_INTERP_BILINEAR, SHEAR_INTERP_BICUBIC,
                                                        SHEAR_INTERP_SPLINE};
     static const enum shear_interpolation log_methods[] = {
@@ -152,9 +147,8 @@ static void test_logs(void **state) {
         for (enum shear_zeros zeros = SHEAR_ZEROS_SKIP; zeros <= SHEAR_ZEROS_FLOOR; zeros++) {
             refine_good(a, NX, NY, log_methods[m], S, zeros, 0.25, fine);
             refine_good(logs, NX, NY, methods[m], S, 0, 0.0, fine_logs);
-            for (int i = 0; i < NX * NY * S * S; i++) {
+            for (int i = 0; i < NX * NY * S * S; i++)
                 assert_near(fine[i], exp(fine_logs[i]) - 0.25, 1e-14, 1.0, "log");
-            }
         }
     }
 }
@@ -231,9 +225,8 @@ static void test_skip_by_hand(void **state) {
     };
     static double fine[MAX_POINTS];
     refine_good(a, 4, 3, SHEAR_INTERP_LOG_BILINEAR, 2, SHEAR_ZEROS_SKIP, 0.0, fine);
-    for (int i = 0; i < 8 * 6; i++) {
+    for (int i = 0; i < 8 * 6; i++)
         assert_near(fine[i], expected[i], 1e-14, 16.0, "skip");
-    }
 }
 
 /* A zero row cuts the columns in two: above and below, log-spline is that of the part by itself. */
@@ -244,23 +237,19 @@ static void test_zero_row(void **state) {
     static double fine[MAX_POINTS];
     static double part[MAX_POINTS];
     draw(a, NX * NY, 5);
-    for (int x = 0; x < NX; x++) {
+    for (int x = 0; x < NX; x++)
         a[CUT * NX + x] = 0.0;
-    }
     for (enum shear_interpolation method = SHEAR_INTERP_LOG_BILINEAR;
          method <= SHEAR_INTERP_LOG_SPLINE; method++) {
         refine_good(a, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0, fine);
         refine_good(a, NX, CUT, method, S, SHEAR_ZEROS_SKIP, 0.0, part);
-        for (int i = 0; i <= (CUT - 1) * S * NX * S + NX * S - 1; i++) {
+        for (int i = 0; i <= (CUT - 1) * S * NX * S + NX * S - 1; i++)
             assert_near(fine[i], part[i], 1e-13, 1.0, "above");
-        }
         refine_good(a + (CUT + 1) * NX, NX, NY - CUT - 1, method, S, SHEAR_ZEROS_SKIP, 0.0, part);
-        for (int i = 0; i < (NY - CUT - 2) * S * NX * S + NX * S; i++) {
+        for (int i = 0; i < (NY - CUT - 2) * S * NX * S + NX * S; i++)
             assert_near(fine[(CUT + 1) * S * NX * S + i], part[i], 1e-13, 1.0, "below");
-        }
-        for (int i = ((CUT - 1) * S + 1) * NX * S; i < (CUT + 1) * S * NX * S; i++) {
+        for (int i = ((CUT - 1) * S + 1) * NX * S; i < (CUT + 1) * S * NX * S; i++)
             assert_true(fine[i] == 0.0);
-        }
     }
 }
 
@@ -273,9 +262,8 @@ static void test_isolated_pixel(void **state) {
     for (enum shear_interpolation method = SHEAR_INTERP_LOG_BILINEAR;
          method <= SHEAR_INTERP_LOG_SPLINE; method++) {
         refine_good(a, 9, 9, method, 4, SHEAR_ZEROS_SKIP, 0.0, fine);
-        for (int i = 0; i < 36 * 36; i++) {
+        for (int i = 0; i < 36 * 36; i++)
             assert_near(fine[i], i == 16 * 36 + 12 ? 7.0 : 0.0, 1e-15, 7.0, "alone");
-        }
     }
 }
 
@@ -298,14 +286,12 @@ static void test_floor(void **state) {
          method <= SHEAR_INTERP_LOG_SPLINE; method++) {
         refine_good(a, N, N, method, S, SHEAR_ZEROS_FLOOR, 0.0, fine);
         refine_good(b, N, N, method, S, SHEAR_ZEROS_SKIP, 0.0, expected);
-        for (int i = 0; i < N * N * S * S; i++) {
+        for (int i = 0; i < N * N * S * S; i++)
             assert_near(fine[i], expected[i], 1e-12, expected[i], "floor");
-        }
         const double zeros[N * N] = {0};
         refine_good(zeros, N, N, method, S, SHEAR_ZEROS_FLOOR, 0.0, fine);
-        for (int i = 0; i < N * N * S * S; i++) {
+        for (int i = 0; i < N * N * S * S; i++)
             assert_true(fine[i] == 0.0);
-        }
     }
 }
 
@@ -314,21 +300,18 @@ static void test_constant(void **state) {
     (void)state;
     double a[64];
     static double fine[MAX_POINTS];
-    for (int i = 0; i < 64; i++) {
+    for (int i = 0; i < 64; i++)
         a[i] = -0.375;
-    }
     for (enum shear_interpolation method = SHEAR_INTERP_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE;
          method++) {
         for (enum shear_zeros zeros = SHEAR_ZEROS_SKIP; zeros <= SHEAR_ZEROS_FLOOR; zeros++) {
             refine_good(a, 8, 8, method, 8, zeros, 0.5, fine);
-            for (int i = 0; i < 64 * 64; i++) {
+            for (int i = 0; i < 64 * 64; i++)
                 assert_near(fine[i], -0.375, 1e-15, 1.0, "constant");
-            }
             refine_good(a, 8, 8, method, 8, zeros, 0.375,
                         fine); /* every pixel is the pedestal's zero */
-            for (int i = 0; i < 64 * 64; i++) {
+            for (int i = 0; i < 64 * 64; i++)
                 assert_near(fine[i], -0.375, 1e-15, 1.0, "constant zero");
-            }
         }
     }
 }

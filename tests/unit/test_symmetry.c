@@ -24,9 +24,8 @@ static shear_symmetry *new_terms(void) {
 
 static shear_symmetry *terms_of(const shear_row *rows, int n) {
     shear_symmetry *s = new_terms();
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         assert_int_equal(shear_symmetry_add(s, &rows[i], 1.5, NULL), SHEAR_OK);
-    }
     return s;
 }
 
@@ -54,9 +53,8 @@ static void assert_same(const shear_result *a, const shear_result *b) {
 /* Gaussian scatter: the sum of twelve uniform numbers. */
 static double scatter(uint64_t *seed) {
     double sum = -6.0;
-    for (int i = 0; i < 12; i++) {
+    for (int i = 0; i < 12; i++)
         sum += uniform(seed);
-    }
     return sum;
 }
 
@@ -161,9 +159,8 @@ static void test_any_order(void **state) {
     shear_row rows[N];
     uint64_t seed = 4;
     draw_rows(rows, N, 10.0, 3);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].weight = 0.2 + uniform(&seed);
-    }
     const shear_result expected = solve_rows(rows, N, 0);
     for (int trial = 0; trial < 4; trial++) {
         for (int i = N - 1; i > 0; i--) {
@@ -203,14 +200,12 @@ static void test_weights(void **state) {
     draw_rows(rows, N, 10.0, 5);
     const shear_result half = solve_rows(rows, N / 2, 0);
     const shear_result all = solve_rows(rows, N, 0);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].weight = 3.5;
-    }
     const shear_result heavy = solve_rows(rows, N, 0);
     assert_same(&heavy, &all);
-    for (int i = N / 2; i < N; i++) {
+    for (int i = N / 2; i < N; i++)
         rows[i].weight = 0.0;
-    }
     const shear_result first = solve_rows(rows, N, 0);
     assert_same(&first, &half);
     for (int i = N / 2; i < N; i++) {
@@ -218,9 +213,8 @@ static void test_weights(void **state) {
     }
     const shear_result between = solve_rows(rows, N, 0);
     assert_true((between.g1 - half.g1) * (between.g1 - all.g1) < 0.0);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].weight = 0.0;
-    }
     assert_false(solve_rows(rows, N, 0).valid);
 }
 
@@ -248,9 +242,8 @@ static void check_few(double range, double noise, double light, double best) {
     for (int f = 0; f < FIELDS; f++) {
         draw_rows(rows, N, range, (uint64_t)(5000 + f));
         add_noise(rows, N, noise, (uint64_t)(9000 + f));
-        for (int i = 0; i < N; i++) {
+        for (int i = 0; i < N; i++)
             rows[i].weight = 1.0 - light * uniform(&seed);
-        }
         const shear_result r = solve_rows(rows, N, 0);
         assert_true(r.valid);
         const double d1 = r.g1 - true_g1;
@@ -290,14 +283,12 @@ static void test_curve(void **state) {
         fall[i] = size[i] * (2.0 * t - 0.7 * t * t + 0.4 * t * t * t);
     }
     score_curve(fall, size, BINS, 3, score);
-    for (int i = 0; i < BINS; i++) {
+    for (int i = 0; i < BINS; i++)
         assert_near(score[i], fall[i] / size[i], 1e-12, 1.0, "score");
-    }
     score_curve(fall, size, 1, 3, score);
     assert_near(score[0], fall[0] / size[0], 1e-12, 1.0, "one bin");
-    for (int i = 0; i < BINS; i++) {
+    for (int i = 0; i < BINS; i++)
         size[i] = fall[i] = i == 4 ? 2.0 : 0.0;
-    }
     score_curve(fall, size, BINS, 2, score);
     assert_near(score[4], 1.0, 1e-12, 1.0, "one bin that is not empty");
     score_curve(fall, size, 4, 2, score);
@@ -371,9 +362,8 @@ static void test_few_and_strange(void **state) {
     }
     const shear_result round = solve_rows(rows, N, 0);
     assert_true(!round.valid || fabs(round.g1 - true_g1) < 1e-5);
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < N; i++)
         rows[i].d = -1.0;
-    }
     assert_false(solve_rows(rows, N, 0).valid);
     for (int i = 0; i < N; i++) {
         rows[i].n1 = 5.0; /* no |g| < 1 */

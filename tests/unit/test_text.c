@@ -15,9 +15,8 @@ static void test_shown(void **state) {
     static const char *const good[] = {
         "",        "plain name.fits", "\u00dcbung", "\u661f\u7cfb", "\U0001f30c ~", "\u0627\u0644",
         "e\u0301", "\u00a0"};
-    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++)
         expect(good[i], good[i]);
-    }
 }
 
 static void test_hidden(void **state) {

@@ -67,17 +67,15 @@ static void test_own_workspaces(void **state) {
     use(&settings, "bicubic");
     shear_plan *plan = batch_plan(&b, &settings, true, true);
     const shear_stamps stamps = batch_full(&b);
-    for (int i = 0; i < MOST; i++) {
+    for (int i = 0; i < MOST; i++)
         assert_int_equal(shear_workspace_new(&ws[i], plan, NULL), SHEAR_OK);
-    }
     assert_int_equal(shear_measure_batch(plan, &stamps, MOST, ws, first, NULL), SHEAR_OK);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(shear_measure_batch(plan, &stamps, 3, ws, rows, NULL), SHEAR_OK);
         assert_same_rows(rows, first, COUNT);
     }
-    for (int i = 0; i < MOST; i++) {
+    for (int i = 0; i < MOST; i++)
         shear_workspace_free(ws[i]);
-    }
     shear_plan_free(plan);
     batch_deinit(&b);
 }
@@ -158,9 +156,8 @@ static void *measure_with_given_plan(void *argument) {
     const shear_stamps stamps = batch_full(t->b);
     shear_workspace *ws = NULL;
     t->code = shear_workspace_new(&ws, t->plan, NULL);
-    for (int round = 0; round < 2 && t->code == SHEAR_OK; round++) {
+    for (int round = 0; round < 2 && t->code == SHEAR_OK; round++)
         t->code = shear_measure_range(t->plan, ws, &stamps, 0, COUNT, t->rows, NULL);
-    }
     shear_workspace_free(ws);
     return NULL;
 }
@@ -169,9 +166,8 @@ enum { THREADS = 4 };
 
 static void run(task *tasks, void *(*work)(void *)) {
     pthread_t threads[THREADS];
-    for (int i = 0; i < THREADS; i++) {
+    for (int i = 0; i < THREADS; i++)
         assert_int_equal(pthread_create(&threads[i], NULL, work, &tasks[i]), 0);
-    }
     for (int i = 0; i < THREADS; i++) {
         pthread_join(threads[i], NULL);
         assert_int_equal(tasks[i].code, SHEAR_OK);
@@ -183,9 +179,8 @@ static void test_plans_at_once(void **state) {
     batch b;
     static task tasks[THREADS];
     draw(&b);
-    for (int i = 0; i < THREADS; i++) {
+    for (int i = 0; i < THREADS; i++)
         tasks[i] = (task){.b = &b, .method = i == 3 ? 0 : 2 * i};
-    }
     run(tasks, measure_with_new_plans);
     assert_same_rows(tasks[3].rows, tasks[0].rows, 10); /* both `none` */
     for (int i = 0; i < THREADS; i++) {
@@ -207,13 +202,11 @@ static void test_one_plan_at_once(void **state) {
     shear_plan *plan = batch_plan(&b, &settings, true, true);
     const shear_stamps stamps = batch_full(&b);
     batch_measure(plan, &stamps, expected);
-    for (int i = 0; i < THREADS; i++) {
+    for (int i = 0; i < THREADS; i++)
         tasks[i] = (task){.b = &b, .plan = plan};
-    }
     run(tasks, measure_with_given_plan);
-    for (int i = 0; i < THREADS; i++) {
+    for (int i = 0; i < THREADS; i++)
         assert_same_rows(tasks[i].rows, expected, COUNT);
-    }
     shear_plan_free(plan);
     batch_deinit(&b);
 }

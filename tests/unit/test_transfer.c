@@ -198,9 +198,8 @@ static void test_modes_of_the_same_k(void **state) {
             least[norm] = fmin(least[norm], v.in.transfer[i]);
             most[norm] = fmax(most[norm], v.in.transfer[i]);
         }
-        for (int i = 0; i <= N * N / 2; i++) {
+        for (int i = 0; i <= N * N / 2; i++)
             assert_true(least[i] == INFINITY || (least[i] > 0.0) == (most[i] > 0.0));
-        }
         shear_inspection_deinit(&v.in);
         pair_deinit(&p);
     }
@@ -309,9 +308,8 @@ static void test_negative_psf(void **state) {
     p.psf[2 * 15 + 4] = 0.0;
     assert_int_equal(pair_try(&p, &with_zero, &err), SHEAR_OK);
     double peak = 0.0;
-    for (int i = 0; i < 15 * 15; i++) {
+    for (int i = 0; i < 15 * 15; i++)
         peak = fmax(peak, p.psf[i]);
-    }
     p.psf[2 * 15 + 4] = -0.9e-4 * peak;
     assert_int_equal(pair_try(&p, &row, &err), SHEAR_OK);
     assert_same_rows(&row, &with_zero, 1);

@@ -23,9 +23,8 @@ static double uniform(uint64_t seed, uint64_t index) {
 double brightness_flux(const brightness *b, uint64_t seed, int64_t galaxy) {
     const double u = uniform(seed, (uint64_t)galaxy);
     const double power = 1.0 - b->slope;
-    if (fabs(power) < 1e-9) {
+    if (fabs(power) < 1e-9)
         return pow(b->range, u);
-    }
     return pow(1.0 + u * (pow(b->range, power) - 1.0), 1.0 / power);
 }
 
@@ -39,9 +38,8 @@ double brightness_sigma(const shear_mock_spec *spec, double snr) {
     must(shear_mock_new(&mock, &m, &must_error));
     must(shear_mock_stamps(mock, 0, PROBES, 1, galaxy, galaxy + n, &must_error));
     double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         sum += galaxy[i] * galaxy[i];
-    }
     shear_mock_free(mock);
     free(galaxy);
     return sqrt(sum / PROBES) / snr;
@@ -67,9 +65,8 @@ static void worker_init(worker *w, const brightness_stamps *s) {
     double **const parts[] = {&w->bare, &w->none, &w->first, &w->second, &w->galaxy, &w->noise};
     const size_t n = sizeof parts / sizeof parts[0];
     double *images = must_allocate(n * TILE * s->pixels, sizeof *images, "stamps");
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         *parts[i] = images + i * TILE * s->pixels;
-    }
     must(shear_workspace_new(&w->ws, s->plan, &must_error));
 }
 
@@ -84,16 +81,14 @@ brightness_stamps *brightness_stamps_new(const shear_mock_spec *mock,
     s->plan = sampler_plan(s->bare, settings);
     s->n_workers = threads > 0 ? threads : omp_get_max_threads();
     s->workers = must_allocate((size_t)s->n_workers, sizeof *s->workers, "stamps");
-    for (int i = 0; i < s->n_workers; i++) {
+    for (int i = 0; i < s->n_workers; i++)
         worker_init(&s->workers[i], s);
-    }
     return s;
 }
 
 void brightness_stamps_free(brightness_stamps *s) {
-    if (s == NULL) {
+    if (s == NULL)
         return;
-    }
     for (int i = 0; i < s->n_workers; i++) {
         shear_workspace_free(s->workers[i].ws);
         free(s->workers[i].bare); /* the first of its images */
@@ -120,9 +115,8 @@ typedef struct batch {
 static void draw(const brightness_stamps *s, worker *w, int64_t first, int count) {
     must(shear_mock_stamps(s->bare, first, count, 1, w->bare, w->none, &must_error));
     must(shear_mock_stamps(s->noisy, first, count, 1, w->first, w->second, &must_error));
-    for (size_t i = 0; i < (size_t)count * s->pixels; i++) {
+    for (size_t i = 0; i < (size_t)count * s->pixels; i++)
         w->first[i] -= w->bare[i];
-    }
 }
 
 /* The factor flux^2 on all moments. */
@@ -131,9 +125,8 @@ static void scale_row(shear_row *row, double flux) {
                                &row->v,       &row->m20,      &row->m02,      &row->m11,
                                &row->m4,      &row->cross_n1, &row->cross_n2, &row->cross_d,
                                &row->cross_u, &row->cross_v};
-    for (size_t i = 0; i < sizeof moments / sizeof moments[0]; i++) {
+    for (size_t i = 0; i < sizeof moments / sizeof moments[0]; i++)
         *moments[i] *= flux * flux;
-    }
     row->flux *= flux;
 }
 
@@ -154,9 +147,8 @@ static void measure_case(const brightness_stamps *s, worker *w, const batch *b, 
         }
     }
     must(shear_measure_range(s->plan, w->ws, &stamps, 0, count, rows, &must_error));
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; i++)
         scale_row(&rows[i], flux[i]);
-    }
 }
 
 void brightness_stamps_rows(brightness_stamps *s, int64_t first, int count, int n,
@@ -167,8 +159,7 @@ void brightness_stamps_rows(brightness_stamps *s, int64_t first, int count, int 
         worker *w = &s->workers[omp_get_thread_num()];
         const int in_tile = count - from < TILE ? count - from : TILE;
         draw(s, w, first + from, in_tile);
-        for (int k = 0; k < n; k++) {
+        for (int k = 0; k < n; k++)
             measure_case(s, w, &b, from, in_tile, k);
-        }
     }
 }

@@ -60,9 +60,8 @@ static bool parse_int(const char **p, int *value) {
 /* The first word, which is the task's name. */
 static bool parse_name(const char **p, char *name) {
     const size_t length = strcspn(*p, " ");
-    if (length == 0 || length >= MAX_NAME || (*p)[length] != ' ') {
+    if (length == 0 || length >= MAX_NAME || (*p)[length] != ' ')
         return false;
-    }
     snprintf(name, MAX_NAME, "%.*s", (int)length, *p);
     *p += length + 1;
     return true;
@@ -78,17 +77,15 @@ static bool parse_record(const char *line, record *r) {
     }
     r->values = must_allocate((size_t)r->n, sizeof *r->values, "the state of the experiment");
     for (int i = 0; i < r->n; i++) {
-        if (!parse_double(&p, &r->values[i])) {
+        if (!parse_double(&p, &r->values[i]))
             return false;
-        }
     }
     return strcmp(p, "end\n") == 0;
 }
 
 static void keep(cache *c, const record *r) {
-    if (!ARRAY_RESERVE(c->records, c->capacity, c->n + 1)) {
+    if (!ARRAY_RESERVE(c->records, c->capacity, c->n + 1))
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for the state of the experiment");
-    }
     c->records[c->n++] = *r;
     c->seconds += r->seconds;
 }
@@ -113,16 +110,14 @@ static off_t read_records(cache *c) {
 }
 
 static void sync_file(cache *c) {
-    if (fflush(c->file) != 0 || fdatasync(fileno(c->file)) != 0) {
+    if (fflush(c->file) != 0 || fdatasync(fileno(c->file)) != 0)
         fail(c, "write");
-    }
 }
 
 static void load(cache *c, bool fresh) {
     const off_t good = fresh ? 0 : read_records(c);
-    if (ftruncate(fileno(c->file), good) != 0 || fseeko(c->file, 0, SEEK_END) != 0) {
+    if (ftruncate(fileno(c->file), good) != 0 || fseeko(c->file, 0, SEEK_END) != 0)
         fail(c, "truncate");
-    }
     if (good == 0) {
         fputs(head, c->file);
         sync_file(c);
@@ -143,9 +138,8 @@ static void name_state(cache *c, const options *o) {
 static void open_locked(cache *c) {
     const int fd = open(c->path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     c->file = fd >= 0 ? fdopen(fd, "a+") : NULL;
-    if (c->file == NULL) {
+    if (c->file == NULL)
         fail(c, "open");
-    }
     if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         must_fail(SHEAR_E_EXISTS, "wait for it, or choose another seed",
                   "another process works on '%s'", c->path);
@@ -153,9 +147,8 @@ static void open_locked(cache *c) {
 }
 
 cache *cache_open(const options *o, int64_t total) {
-    if (mkdir(o->out, 0777) != 0 && errno != EEXIST) {
+    if (mkdir(o->out, 0777) != 0 && errno != EEXIST)
         must_fail(SHEAR_E_IO, NULL, "cannot make the folder '%s': %s", o->out, strerror(errno));
-    }
     cache *c = must_allocate(1, sizeof *c, "the state of the experiment");
     name_state(c, o);
     open_locked(c);
@@ -167,9 +160,8 @@ cache *cache_open(const options *o, int64_t total) {
 void cache_close(cache *c) {
     progress_end();
     fclose(c->file);
-    for (size_t i = 0; i < c->n; i++) {
+    for (size_t i = 0; i < c->n; i++)
         free(c->records[i].values);
-    }
     free(c->records);
     free(c);
 }
@@ -184,9 +176,8 @@ double cache_seconds(const cache *c) {
 static const record *find(const cache *c, const cache_task *t, int chunk) {
     for (size_t i = 0; i < c->n; i++) {
         const record *r = &c->records[i];
-        if (r->chunk == chunk && r->n == t->values && strcmp(r->name, t->name) == 0) {
+        if (r->chunk == chunk && r->n == t->values && strcmp(r->name, t->name) == 0)
             return r;
-        }
     }
     return NULL;
 }
@@ -196,9 +187,8 @@ static void run_chunk(cache *c, const cache_task *t, int chunk, double *values) 
     t->work(t->context, chunk, values);
     const double seconds = clock_s(CLOCK_MONOTONIC) - begun;
     fprintf(c->file, "%s %d %d %.3f ", t->name, chunk, t->values, seconds);
-    for (int i = 0; i < t->values; i++) {
+    for (int i = 0; i < t->values; i++)
         fprintf(c->file, "%a ", values[i]);
-    }
     fputs("end\n", c->file);
     sync_file(c);
     c->seconds += seconds;

@@ -83,9 +83,8 @@ static int poisson(dice *d, double mean) {
 }
 
 static void draw_sky(dice *d, int n, double *out) {
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         out[i] = poisson(d, photon_sky) - photon_sky;
-    }
 }
 
 /* White noise through the kernel (1 2 1; 2 4 2; 1 2 1) / 6, of unit variance. */
@@ -98,9 +97,8 @@ static void draw_correlated(dice *d, int side, double *out) {
     for (int y = 0; y < side; y++) {
         for (int x = 0; x < side; x++) {
             double sum = 0.0;
-            for (int k = 0; k < 9; k++) {
+            for (int k = 0; k < 9; k++)
                 sum += weight[k / 3] * weight[k % 3] * white[(y + k / 3) * wide + x + k % 3];
-            }
             out[y * side + x] = sum / 6.0;
         }
     }
@@ -146,9 +144,8 @@ static void add_cosmic(const flaw *f, dice *d, double *image) {
     const int length = 1 + (int)(3.0 * dice_uniform(d));
     const int x = (int)((f->side - length) * dice_uniform(d));
     const int y = (int)(f->side * dice_uniform(d));
-    for (int i = 0; i < length; i++) {
+    for (int i = 0; i < length; i++)
         image[y * f->side + x + i] += 40.0;
-    }
 }
 
 /* A star of the PSF's size, ten thousand sigma bright, on a neighbour's place. */
@@ -164,9 +161,8 @@ static void add_star(const flaw *f, dice *d, double *image) {
 
 /* What lies beyond a straight edge has no counts: minus the sky that was taken off. */
 static void cut_chip(const flaw *f, double *image) {
-    for (int i = 0; i < f->side * f->side; i++) {
+    for (int i = 0; i < f->side * f->side; i++)
         image[i] = i % f->side > f->side / 2 + 8 ? -100.0 : image[i];
-    }
 }
 
 static void add_artefact(const flaw *f, uint64_t seed, int64_t index, double *image) {
@@ -202,9 +198,8 @@ static void count_photons(const flaw *f, uint64_t seed, int64_t index, const dou
                           double *galaxy) {
     dice d = dice_begin(seed, DICE_PHOTONS, index);
     const double unit = sqrt(photon_sky);
-    for (int i = 0; i < f->side * f->side; i++) {
+    for (int i = 0; i < f->side * f->side; i++)
         galaxy[i] = sky[i] + poisson(&d, fmax(0.0, unit * galaxy[i]));
-    }
 }
 
 static void make_mistake(const flaw *f, double *galaxy, double *noise) {
@@ -214,9 +209,8 @@ static void make_mistake(const flaw *f, double *galaxy, double *noise) {
         galaxy[i] = noise[i];
         noise[i] = pixel;
     }
-    if (f->mistake == FLAW_EQUAL) {
+    if (f->mistake == FLAW_EQUAL)
         memcpy(noise, galaxy, (size_t)n * sizeof *noise);
-    }
 }
 
 void flaw_apply(const flaw *f, uint64_t seed, int64_t index, const double *noise_galaxy,
@@ -232,9 +226,8 @@ void flaw_apply(const flaw *f, uint64_t seed, int64_t index, const double *noise
             noise[i] = f->sky + noise_noise[i];
         }
     }
-    if (flaw_spoils(f, seed, index)) {
+    if (flaw_spoils(f, seed, index))
         add_artefact(f, seed, index, galaxy);
-    }
     make_mistake(f, galaxy, noise);
 }
 
@@ -242,9 +235,8 @@ void flaw_apply(const flaw *f, uint64_t seed, int64_t index, const double *noise
 
 static double peak_of(const double *image, int n) {
     double peak = image[0];
-    for (int i = 1; i < n; i++) {
+    for (int i = 1; i < n; i++)
         peak = fmax(peak, image[i]);
-    }
     return peak;
 }
 
@@ -262,13 +254,11 @@ static void add_star_noise(uint64_t seed, int n, double *psf) {
     dice d = dice_begin(seed, DICE_NOISE, -1);
     double noise[MAX_SIDE * MAX_SIDE];
     double square = 0.0;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         square += psf[i] * psf[i];
-    }
     dice_normal(&d, n, noise);
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         psf[i] += sqrt(square) / psf_star_snr * noise[i];
-    }
 }
 
 void flaw_spoil_psf(const flaw *f, uint64_t seed, int64_t index, int side, double *psf) {

@@ -9,15 +9,13 @@ static const double fewest = 10.0;     /* counts in a bin that is used */
 
 static void count(double *bins, double size) {
     const double bin = size / bin_width;
-    if (bin < SHAPE_BINS) {
+    if (bin < SHAPE_BINS)
         bins[(int)bin] += 1.0;
-    }
 }
 
 void shape_counts_add(shape_counts *c, double d, double e1, double e2) {
-    if (!(d > 0.0)) {
+    if (!(d > 0.0))
         return;
-    }
     const double at = floor(log(d) / class_width + 0.5 * SHAPE_CLASSES);
     const int k = (int)fmax(0.0, fmin(SHAPE_CLASSES - 1, at));
     count(c->line[k], fabs(e1));
@@ -36,9 +34,8 @@ static double information(const double *counts, const double *areas) {
         const double noise = counts[after] / (areas[after] * areas[after]) +
                              counts[before] / (areas[before] * areas[before]);
         const double density = counts[i] / areas[i];
-        if (counts[i] >= fewest) {
+        if (counts[i] >= fewest)
             sum += areas[i] * (slope * slope - noise) / (4.0 * bin_width * bin_width) / density;
-        }
     }
     return sum;
 }
@@ -49,9 +46,8 @@ static double bound(const double counts[SHAPE_CLASSES][SHAPE_BINS], const double
     double total = 0.0;
     double sum = 0.0;
     for (int k = 0; k < SHAPE_CLASSES; k++) {
-        for (int i = 0; i < SHAPE_BINS; i++) {
+        for (int i = 0; i < SHAPE_BINS; i++)
             total += counts[k][i];
-        }
         sum += information(counts[k], areas);
     }
     return 1.0 / sqrt(part * sum / total);
@@ -59,9 +55,8 @@ static double bound(const double counts[SHAPE_CLASSES][SHAPE_BINS], const double
 
 double shape_bound_line(const shape_counts *c) {
     double areas[SHAPE_BINS];
-    for (int i = 0; i < SHAPE_BINS; i++) {
+    for (int i = 0; i < SHAPE_BINS; i++)
         areas[i] = bin_width;
-    }
     return bound(c->line, areas, 1.0);
 }
 

@@ -27,9 +27,8 @@ void jackknife_sums_append(jackknife_sums *s, const jackknife_sums *more) {
     const size_t old = (size_t)s->n_series * (size_t)s->groups;
     const size_t added = (size_t)more->n_series * (size_t)s->groups;
     s->sums = realloc(s->sums, (old + added) * sizeof *s->sums);
-    if (s->sums == NULL) {
+    if (s->sums == NULL)
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for sums");
-    }
     memcpy(s->sums + old, more->sums, added * sizeof *s->sums);
     s->n_series += more->n_series;
 }
@@ -42,9 +41,8 @@ shear_block_sums *jackknife_sums_at(const jackknife_sums *s, int series, int gro
 void jackknife_pack(const shear_block_sums *sums, double *packed) {
     packed[0] = (double)sums->n_stamps;
     packed[1] = (double)sums->n_used;
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         packed[2 + i] = (double)sums->flagged[i];
-    }
     memcpy(packed + 2 + SHEAR_N_FLAGS, sums->hi, sizeof sums->hi);
     memcpy(packed + 2 + SHEAR_N_FLAGS + SHEAR_N_TERMS, sums->lo, sizeof sums->lo);
 }
@@ -53,9 +51,8 @@ void jackknife_unpack(const double *packed, shear_block_sums *sums) {
     shear_block_sums_init(sums);
     sums->n_stamps = (int64_t)packed[0];
     sums->n_used = (int64_t)packed[1];
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         sums->flagged[i] = (int64_t)packed[2 + i];
-    }
     memcpy(sums->hi, packed + 2 + SHEAR_N_FLAGS, sizeof sums->hi);
     memcpy(sums->lo, packed + 2 + SHEAR_N_FLAGS + SHEAR_N_TERMS, sizeof sums->lo);
 }
@@ -66,15 +63,13 @@ jackknife_shear jackknife_shear_of(const jackknife_sums *s, int series, bool by_
     shear_field_sums *field = NULL;
     shear_jackknife *jack = NULL;
     must(shear_field_sums_new(&field, &must_error));
-    for (int i = 0; i < s->groups; i++) {
+    for (int i = 0; i < s->groups; i++)
         shear_field_sums_add(field, jackknife_sums_at(s, series, i));
-    }
     shear_field_result(field, &r);
     if (by_groups) {
         must(shear_jackknife_new(&jack, s->groups, &must_error));
-        for (int i = 0; i < s->groups; i++) {
+        for (int i = 0; i < s->groups; i++)
             must(shear_jackknife_add(jack, jackknife_sums_at(s, series, i), &must_error));
-        }
         must(shear_jackknife_finish(jack, &r, &must_error));
     }
     shear_jackknife_free(jack);
@@ -93,9 +88,8 @@ static void sum_groups(const jackknife_sums *s, int left_out, jackknife_total *t
         double x[SHEAR_N_COMPONENTS] = {0};
         for (int group = 0; group < s->groups; group++) {
             const shear_block_sums *b = jackknife_sums_at(s, series, group);
-            for (int i = SHEAR_S_COMPONENT; group != left_out && i < SHEAR_S_PRODUCT; i++) {
+            for (int i = SHEAR_S_COMPONENT; group != left_out && i < SHEAR_S_PRODUCT; i++)
                 x[i - SHEAR_S_COMPONENT] += b->hi[i] + b->lo[i];
-            }
         }
         const shear_ratio ratio = shear_ratio_of(x);
         totals[series] = (jackknife_total){{ratio.n1 / ratio.d, ratio.n2 / ratio.d}};
@@ -107,9 +101,8 @@ static void covariance(int groups, int n, const double *values, double *mean, do
     const double scale = (groups - 1.0) / groups;
     for (int i = 0; i < n; i++) {
         mean[i] = 0.0;
-        for (int g = 0; g < groups; g++) {
+        for (int g = 0; g < groups; g++)
             mean[i] += values[(size_t)g * (size_t)n + (size_t)i] / groups;
-        }
     }
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
@@ -151,9 +144,8 @@ typedef struct selected {
 
 static void deviations(const jackknife_total *totals, const void *context, double *out) {
     const selected *which = context;
-    for (int i = 0; i < 2 * which->n; i++) {
+    for (int i = 0; i < 2 * which->n; i++)
         out[i] = totals[which->series[i / 2]].g[i % 2] - which->truth[i % 2];
-    }
 }
 
 chi_square jackknife_test(const jackknife_sums *s, int n, const int *series,

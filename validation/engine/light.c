@@ -34,12 +34,10 @@ static double moffat(double k, double fwhm) {
     double rd = 0.5 * fwhm / sqrt(pow(2.0, 1.0 / moffat_index) - 1.0);
     double x = k * rd;
     double nu = moffat_index - 1.0;
-    if (x < 1e-6) {
+    if (x < 1e-6)
         return 1.0;
-    }
-    if (x > 600.0) {
+    if (x > 600.0)
         return 0.0;
-    }
     return 2.0 / gsl_sf_gamma(nu) * pow(0.5 * x, nu) * gsl_sf_bessel_Knu(nu, x);
 }
 
@@ -94,9 +92,8 @@ static void fill_columns(light *l) {
 static void fill_psf(light *l, const light_psf *psf, double scale) {
     int n = l->reach * l->columns;
     for (int r = 0; r < l->reach * l->period; r++) {
-        for (int m = 0; m < n; m++) {
+        for (int m = 0; m < n; m++)
             l->psf[(size_t)r * (size_t)n + (size_t)m] = psf_at(psf, l->kx[m], row_k(l, r), scale);
-        }
     }
 }
 
@@ -110,9 +107,8 @@ int light_new(light **out, const light_psf *psf, int side, int reach, double sca
     light *l = calloc(1, sizeof *l + all * sizeof(double));
     assert((side & (side - 1)) == 0 && reach % 2 == 0);
     *out = l;
-    if (l == NULL) {
+    if (l == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a simulator");
-    }
     l->side = side;
     l->period = 2 * side;
     l->reach = reach;
@@ -179,9 +175,8 @@ static void fill_modes(light *l, const light_galaxy *g, double x, double y) {
         int r = i / l->reach;
         int at = i % l->reach * l->columns;
         const double *psf = l->psf + (size_t)r * (size_t)n + at;
-        if (g != NULL) {
+        if (g != NULL)
             galaxy_row(l, g, l->kx + at, row_k(l, r), psf);
-        }
         add_row(l, g != NULL ? l->power : psf, l->phase + 2 * at, row_k(l, r), y,
                 l->modes + 2 * (size_t)row_mode(l, r) * (size_t)l->columns);
     }
@@ -215,9 +210,8 @@ static void transform_rows(light *l, double *out) {
             l->line[l->period - m] = row[2 * m + 1];
         }
         gsl_fft_halfcomplex_radix2_backward(l->line, 1, (size_t)l->period);
-        for (int x = 0; x < l->side; x++) {
+        for (int x = 0; x < l->side; x++)
             out[(size_t)y * (size_t)l->side + (size_t)x] = scale * l->line[x];
-        }
     }
 }
 

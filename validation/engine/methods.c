@@ -17,18 +17,16 @@ const char *const psf_sampling_names[N_PSF_SAMPLINGS] = {"fine", "coarse"};
 int psf_oversample(enum psf_sampling sampling, double r_psf_px) {
     enum { SAMPLES = 16, MOST = 64 };
     int k = 1;
-    while (sampling == PSF_FINE && k < MOST && k * r_psf_px < SAMPLES) {
+    while (sampling == PSF_FINE && k < MOST && k * r_psf_px < SAMPLES)
         k *= 2;
-    }
     return k;
 }
 
 static bool is_smooth(int n) {
     static const int primes[] = {2, 3, 5};
     for (int i = 0; i < 3; i++) {
-        while (n % primes[i] == 0) {
+        while (n % primes[i] == 0)
             n /= primes[i];
-        }
     }
     return n == 1;
 }
@@ -36,9 +34,8 @@ static bool is_smooth(int n) {
 int good_side(double side) {
     int n = 2 * (int)ceil(0.5 * side);
     n = n < SHEAR_MIN_SIDE ? SHEAR_MIN_SIDE : n;
-    while (!is_smooth(n)) {
+    while (!is_smooth(n))
         n += 2;
-    }
     return n;
 }
 
@@ -53,9 +50,8 @@ int stamp_side(double r_gal_px, double r_psf_px) {
 static int fine_factor(double r_psf_px) {
     static const double circular = 1.057;
     int s = 2;
-    while (1.0 / s >= 0.25 * circular * r_psf_px) {
+    while (1.0 / s >= 0.25 * circular * r_psf_px)
         s *= 2;
-    }
     return s;
 }
 
@@ -63,9 +59,8 @@ series method_series(int i_method, enum psf_sampling sampling, double r_psf_px,
                      const shear_settings *settings) {
     series s = {.psf_oversample = psf_oversample(sampling, r_psf_px), .settings = *settings};
     s.settings.interpolation = methods[i_method].interpolation;
-    if (s.settings.oversample == 0) {
+    if (s.settings.oversample == 0)
         s.settings.oversample = fine_factor(r_psf_px);
-    }
     s.settings.power_tolerance = sampling == PSF_COARSE ? 1.0 : settings->power_tolerance;
     return s;
 }

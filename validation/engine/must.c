@@ -14,21 +14,18 @@ _Thread_local shear_error must_error;
 /* Of several threads that fail at once the first ends the program. */
 static _Noreturn void end(int code) {
     static atomic_flag ending = ATOMIC_FLAG_INIT;
-    while (atomic_flag_test_and_set(&ending)) {
+    while (atomic_flag_test_and_set(&ending))
         pause();
-    }
     progress_end();
     fprintf(stderr, "shear-paper: error: %s\n", must_error.message);
-    if (must_error.advice[0] != '\0') {
+    if (must_error.advice[0] != '\0')
         fprintf(stderr, "  %s\n", must_error.advice);
-    }
     exit(code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER);
 }
 
 void must(int code) {
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         end(code);
-    }
 }
 
 void must_fail(int code, const char *advice, const char *format, ...) {
@@ -42,8 +39,7 @@ void must_fail(int code, const char *advice, const char *format, ...) {
 
 void *must_allocate(size_t n, size_t size, const char *what) {
     void *made = calloc(n > 0 ? n : 1, size);
-    if (made == NULL) {
+    if (made == NULL)
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for %s", what);
-    }
     return made;
 }

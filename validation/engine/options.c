@@ -19,9 +19,8 @@ enum { MAX_LINE = 256, MAX_OPTIONS = 256, MAX_NAME = 48 };
 
 static int find_parameter(const experiment *e, const char *name) {
     for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
-        if (strcmp(e->parameters[i].name, name) == 0) {
+        if (strcmp(e->parameters[i].name, name) == 0)
             return i;
-        }
     }
     return -1;
 }
@@ -52,9 +51,8 @@ static void parse_parameter(const parameter *p, const char *text, parameter_valu
     out->n = 0;
     const char *at = text;
     do {
-        if (out->n == most) {
+        if (out->n == most)
             must_fail(SHEAR_E_SETTING, NULL, "option '--%s': more than %d values", p->name, most);
-        }
         out->v[out->n++] = parse_number(p->name, at, &end, p->min, p->max);
         at = end + 1;
     } while (*end == ',');
@@ -85,16 +83,14 @@ enum { N_COMMON = sizeof commons / sizeof commons[0] };
 static int64_t parse_count(const char *name, const char *text, double max) {
     char *end = NULL;
     const double number = parse_number(name, text, &end, 1.0, max);
-    if (*end != '\0' || number != floor(number)) {
+    if (*end != '\0' || number != floor(number))
         must_fail(SHEAR_E_SETTING, NULL, "option '--%s': '%s' is not a whole number", name, text);
-    }
     return (int64_t)number;
 }
 
 static void set_folder(char *out, size_t size, const char *text) {
-    if (text[0] == '\0' || strlen(text) >= size - 64) {
+    if (text[0] == '\0' || strlen(text) >= size - 64)
         must_fail(SHEAR_E_SETTING, NULL, "option '--out': no name, or too long a one");
-    }
     text_set(out, size, text);
 }
 
@@ -149,20 +145,16 @@ static void add_setting(option_table *t, const shear_setting_def *def, int i) {
 
 static void fill_table(option_table *t, const experiment *e) {
     size_t n = 0;
-    for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
+    for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++)
         add_option(t, "", e->parameters[i].name, true, PARAMETER + i);
-    }
-    for (int i = 0; i < N_COMMON; i++) {
+    for (int i = 0; i < N_COMMON; i++)
         add_option(t, "", commons[i].name, commons[i].type != SWITCH, COMMON + i);
-    }
     const shear_mock_option *mock = shear_mock_options(&n);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         add_option(t, "", mock[i].name, mock[i].metavar != NULL, MOCK + (int)i);
-    }
     const shear_setting_def *settings = shear_settings_table(&n);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         add_setting(t, &settings[i], (int)i);
-    }
 }
 
 /* ---- one option ---- */
@@ -172,9 +164,8 @@ static bool has_word(const char *words, const char *name) {
     const size_t length = strlen(name);
     for (const char *at = words; (at = strstr(at, name)) != NULL; at += length) {
         const bool begins = at == words || at[-1] == ' ';
-        if (begins && (at[length] == ' ' || at[length] == '\0')) {
+        if (begins && (at[length] == ' ' || at[length] == '\0'))
             return true;
-        }
     }
     return false;
 }
@@ -224,15 +215,12 @@ static bool is_kept(const struct option *option) {
 
 static _Noreturn void fail_at(const char *given, int value) {
     const int length = (int)strcspn(given, "=");
-    if (strncmp(given, "--", 2) != 0) {
+    if (strncmp(given, "--", 2) != 0)
         must_fail(SHEAR_E_SETTING, NULL, "unexpected argument '%s'", given);
-    }
-    if (value == ':') {
+    if (value == ':')
         must_fail(SHEAR_E_SETTING, NULL, "option '%s' needs a value", given);
-    }
-    if (optopt != 0) {
+    if (optopt != 0)
         must_fail(SHEAR_E_SETTING, NULL, "option '%.*s' takes no value", length, given);
-    }
     must_fail(SHEAR_E_SETTING, "see \"shear-paper help\" and the experiment's name",
               "unknown option '%.*s'", length, given);
 }
@@ -263,9 +251,8 @@ static void set_defaults(options *o, const option_table *t, const experiment *e)
          name = strtok_r(NULL, " =", &rest)) {
         set_value(o, find_option(t, name), strtok_r(NULL, " =", &rest));
     }
-    for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
+    for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++)
         parse_parameter(&e->parameters[i], e->parameters[i].preset, &o->parameters[i]);
-    }
 }
 
 void options_parse(options *o, const experiment *e, int argc, char **argv) {
@@ -278,28 +265,24 @@ void options_parse(options *o, const experiment *e, int argc, char **argv) {
     int value = 0;
     int index = 0;
     for (int at = 1; (value = getopt_long(argc, argv, "+:", table.list, &index)) != -1;) {
-        if (value == '?' || value == ':') {
+        if (value == '?' || value == ':')
             fail_at(argv[at], value);
-        }
         set_option(o, &table.list[index], optarg);
         for (; at < optind; at++) {
-            if (is_kept(&table.list[index])) {
+            if (is_kept(&table.list[index]))
                 append_word(o, argv[at]);
-            }
         }
     }
-    if (optind < argc) {
+    if (optind < argc)
         must_fail(SHEAR_E_SETTING, NULL, "unexpected argument '%s'", argv[optind]);
-    }
 }
 
 /* ---- text ---- */
 
 static void print_if_changed(FILE *out, const char *prefix, const char *name, const char *ours,
                              const char *theirs) {
-    if (strcmp(ours, theirs) != 0) {
+    if (strcmp(ours, theirs) != 0)
         fprintf(out, "%s%s %s\n", prefix, name, ours);
-    }
 }
 
 static void print_changed(const options *o, FILE *out) {
@@ -329,22 +312,19 @@ char *options_describe(const options *o) {
     size_t size = 0;
     const experiment *e = o->experiment;
     FILE *out = open_memstream(&text, &size);
-    if (out == NULL) {
+    if (out == NULL)
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for the options");
-    }
     fprintf(out, "experiment %s\ngalaxies %" PRId64 "\ngroups %d\n", e->name, o->galaxies,
             o->groups);
     for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
         fprintf(out, "%s ", e->parameters[i].name);
-        for (int k = 0; k < o->parameters[i].n; k++) {
+        for (int k = 0; k < o->parameters[i].n; k++)
             fprintf(out, "%s%.17g", k > 0 ? "," : "", o->parameters[i].v[k]);
-        }
         fputc('\n', out);
     }
     print_changed(o, out);
-    if (fclose(out) != 0) {
+    if (fclose(out) != 0)
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for the options");
-    }
     return text;
 }
 
@@ -373,9 +353,8 @@ void options_help(const experiment *e, FILE *out) {
         "  --fresh             start over where an earlier run was stopped\n"
         "  --quiet             no progress\n",
         o.galaxies, o.groups, o.mock.seed);
-    for (const parameter *p = e->parameters; p != NULL && p->name != NULL; p++) {
+    for (const parameter *p = e->parameters; p != NULL && p->name != NULL; p++)
         fprintf(out, "  --%-17s %s (default %s)\n", p->name, p->help, p->preset);
-    }
     fputs("\nAll options of \"shearctl help mock\" and settings of \"shearctl help measure\" are "
           "taken as well;\n"
           "where both have a name, --measure-NAME is the setting. Here they are by default:\n",
@@ -387,9 +366,8 @@ void options_help(const experiment *e, FILE *out) {
     snprintf(words, sizeof words, "%s", e->fixed);
     for (char *word = strtok_r(words, " ", &rest); word != NULL;
          word = strtok_r(NULL, " ", &rest)) {
-        if (find_parameter(e, word) < 0) {
+        if (find_parameter(e, word) < 0)
             fprintf(out, " %s", word);
-        }
     }
     fputc('\n', out);
 }

@@ -35,9 +35,8 @@ void dice_normal(dice *d, int n, double *out) {
         double r = sqrt(-2.0 * log(1.0 - dice_uniform(d)));
         double a = 2.0 * M_PI * dice_uniform(d);
         out[i] = r * cos(a);
-        if (i + 1 < n) {
+        if (i + 1 < n)
             out[i + 1] = r * sin(a);
-        }
     }
 }
 
@@ -86,9 +85,8 @@ static void multiply(const double a[2][2], double map[2][2]) {
 }
 
 static double angle_of(const population *p, int64_t stamp) {
-    if (p->copies > 1) {
+    if (p->copies > 1)
         return M_PI * (double)(stamp % p->copies) / p->copies;
-    }
     dice d = dice_begin(p->seed, DICE_ROTATION, stamp);
     return M_PI * dice_uniform(&d);
 }

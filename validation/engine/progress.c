@@ -42,9 +42,8 @@ static void show(const char *label, double now) {
     const double part = p.total > 0 ? (double)p.done / (double)p.total : 0.0;
     memset(bar, '.', BAR);
     memset(bar, '#', (size_t)(BAR * (part < 1.0 ? part : 1.0)));
-    if (rate > 0.0) {
+    if (rate > 0.0)
         format_time((double)(p.total - p.done) / rate, left, sizeof left);
-    }
     fprintf(stderr, "%s%-18.18s [%s] %5.1f %%  %.4g stamps/s  %s left%s", p.terminal ? "\r" : "",
             label, bar, 100.0 * part, rate, left, p.terminal ? "\x1b[K" : "\n");
     fflush(stderr);
@@ -56,14 +55,12 @@ void progress_add(const char *label, int64_t stamps, bool cached) {
     const double now = clock_s(CLOCK_MONOTONIC);
     p.done += stamps;
     p.cached += cached ? stamps : 0;
-    if (p.visible && now - p.shown >= (p.terminal ? terminal_interval : log_interval)) {
+    if (p.visible && now - p.shown >= (p.terminal ? terminal_interval : log_interval))
         show(label, now);
-    }
 }
 
 void progress_end(void) {
-    if (p.drawn && p.terminal) {
+    if (p.drawn && p.terminal)
         fputs("\r\x1b[K", stderr);
-    }
     p.drawn = false;
 }

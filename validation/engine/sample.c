@@ -41,16 +41,14 @@ static void measure_group(void *context, int group, double *values) {
     grouped *g = context;
     const int64_t first = begin_of(g, group);
     const int count = (int)(begin_of(g, group + 1) - first);
-    if (g->sampler == NULL) {
+    if (g->sampler == NULL)
         prepare(g);
-    }
     sampler_rows(g->sampler, first, count, g->rows);
     for (int i = 0; i < g->of->n_series; i++) {
         shear_block_sums sums;
         shear_block_sums_init(&sums);
-        for (int k = 0; k < count; k++) {
+        for (int k = 0; k < count; k++)
             shear_block_sums_add(&sums, &g->rows[(size_t)i * (size_t)count + (size_t)k]);
-        }
         jackknife_pack(&sums, values + i * JACKKNIFE_PACKED);
     }
 }

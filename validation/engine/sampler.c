@@ -39,9 +39,8 @@ static size_t pixels_of(const shear_mock_spec *m) {
 /* ---- plans ---- */
 
 static void resolve_settings(shear_settings *s, const shear_mock_spec *m) {
-    if (isnan(s->beta_px)) {
+    if (isnan(s->beta_px))
         s->beta_px = fmax(s->beta_ratio * m->r_psf_px, s->beta_floor_px);
-    }
     const bool paper = s->filter == SHEAR_FILTER_PAPER || s->filter == SHEAR_FILTER_AUTO ||
                        s->filter == SHEAR_FILTER_R_GAL;
     if (paper && isnan(s->core_px)) {
@@ -101,9 +100,8 @@ static int find_plan(sampler *s, int i) {
     const basis b = basis_of(s, i);
     for (int k = 0; k < i; k++) {
         const basis earlier = basis_of(s, k);
-        if (same_plan(&earlier, &b)) {
+        if (same_plan(&earlier, &b))
             return s->plan_of[k];
-        }
     }
     shear_mock *mock = NULL;
     must(shear_mock_new(&mock, &b.mock, &must_error));
@@ -124,9 +122,8 @@ static shear_mock *new_mock(sampler *s, const shear_mock_spec *from) {
 }
 
 static void make_mocks(sampler *s) {
-    for (int i = 0; i < s->of.n_scenes; i++) {
+    for (int i = 0; i < s->of.n_scenes; i++)
         s->mocks[i] = new_mock(s, &s->of.scenes[i].spec);
-    }
     if (s->of.noise != NULL) {
         shear_mock_spec bare = *s->of.noise;
         bare.noise_ratio = 0.0;
@@ -144,15 +141,13 @@ static void worker_init(worker *w, const sampler *s) {
     w->shared_n = must_allocate(shared, sizeof *w->shared_n, "stamps");
     w->bare = must_allocate(shared, sizeof *w->bare, "stamps");
     w->workspaces = must_allocate((size_t)s->n_plans, sizeof(shear_workspace *), "workspaces");
-    for (int i = 0; i < s->n_plans; i++) {
+    for (int i = 0; i < s->n_plans; i++)
         must(shear_workspace_new(&w->workspaces[i], s->plans[i], &must_error));
-    }
 }
 
 static void worker_deinit(worker *w, int n_plans) {
-    for (int i = 0; i < n_plans; i++) {
+    for (int i = 0; i < n_plans; i++)
         shear_workspace_free(w->workspaces[i]);
-    }
     free(w->workspaces);
     free(w->galaxy);
     free(w->noise);
@@ -169,30 +164,24 @@ sampler *sampler_new(const sample *what, int64_t stamps, int threads) {
     s->plans = must_allocate(n, sizeof(shear_plan *), "a sample");
     s->plan_of = must_allocate(n, sizeof *s->plan_of, "a sample");
     make_mocks(s);
-    for (int i = 0; i < what->n_series; i++) {
+    for (int i = 0; i < what->n_series; i++)
         s->plan_of[i] = find_plan(s, i);
-    }
     s->n_workers = threads > 0 ? threads : omp_get_max_threads();
     s->workers = must_allocate((size_t)s->n_workers, sizeof *s->workers, "a sample");
-    for (int i = 0; i < s->n_workers; i++) {
+    for (int i = 0; i < s->n_workers; i++)
         worker_init(&s->workers[i], s);
-    }
     return s;
 }
 
 void sampler_free(sampler *s) {
-    if (s == NULL) {
+    if (s == NULL)
         return;
-    }
-    for (int i = 0; i < s->n_workers; i++) {
+    for (int i = 0; i < s->n_workers; i++)
         worker_deinit(&s->workers[i], s->n_plans);
-    }
-    for (int i = 0; i < s->n_plans; i++) {
+    for (int i = 0; i < s->n_plans; i++)
         shear_plan_free(s->plans[i]);
-    }
-    for (int i = 0; i < s->of.n_scenes; i++) {
+    for (int i = 0; i < s->of.n_scenes; i++)
         shear_mock_free(s->mocks[i]);
-    }
     shear_mock_free(s->noise_mock);
     shear_mock_free(s->bare_mock);
     free(s->workers);
@@ -216,9 +205,8 @@ static void draw_shared(const sampler *s, worker *w, int64_t first, int count) {
     /* The stamps without noise: the galaxies alone, and zeros that are not needed. */
     must(shear_mock_stamps(s->bare_mock, first, count, 1, w->bare, w->shared_n, &must_error));
     must(shear_mock_stamps(s->noise_mock, first, count, 1, w->shared, w->shared_n, &must_error));
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         w->shared[i] -= w->bare[i];
-    }
 }
 
 /* Each stamp is a mock of its own. */
@@ -282,14 +270,12 @@ static void measure_scene(const sampler *s, worker *w, int i_scene, const batch 
         shear_row now[TILE];
         const int plan = s->plan_of[i];
         shear_row *rows = b->rows + (size_t)i * (size_t)b->count + from;
-        if (s->of.series[i].scene != i_scene) {
+        if (s->of.series[i].scene != i_scene)
             continue;
-        }
         must(shear_measure_range(s->plans[plan], w->workspaces[plan], &stamps, 0, n,
                                  again ? now : rows, &must_error));
-        for (int k = 0; again && k < n; k++) {
+        for (int k = 0; again && k < n; k++)
             average(&rows[k], &now[k]);
-        }
     }
 }
 
@@ -306,9 +292,8 @@ static void exchange(worker *w, const scene *c, int n) {
 static void do_tile(const sampler *s, worker *w, const batch *b, int tile) {
     const int from = tile * TILE;
     const int n = b->count - from < TILE ? b->count - from : TILE;
-    if (s->of.noise != NULL) {
+    if (s->of.noise != NULL)
         draw_shared(s, w, b->first + from, n);
-    }
     for (int i = 0; i < s->of.n_scenes; i++) {
         draw_scene(s, w, i, b->first + from, n);
         measure_scene(s, w, i, b, from, n, false);
@@ -323,7 +308,6 @@ void sampler_rows(sampler *s, int64_t first, int count, shear_row *rows) {
     const batch b = {first, count, rows};
     const int tiles = (count + TILE - 1) / TILE;
 #pragma omp parallel for schedule(dynamic) num_threads(s->n_workers)
-    for (int tile = 0; tile < tiles; tile++) {
+    for (int tile = 0; tile < tiles; tile++)
         do_tile(s, &s->workers[omp_get_thread_num()], &b, tile);
-    }
 }

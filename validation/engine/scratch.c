@@ -17,24 +17,20 @@ static char path[FOLDER + 16];
 /* A file that could not be written to its end has left its beginning under another name. */
 static void clean_up(void) {
     DIR *d = opendir(folder);
-    for (struct dirent *e = NULL; d != NULL && (e = readdir(d)) != NULL;) {
+    for (struct dirent *e = NULL; d != NULL && (e = readdir(d)) != NULL;)
         unlinkat(dirfd(d), e->d_name, 0);
-    }
-    if (d != NULL) {
+    if (d != NULL)
         closedir(d);
-    }
     rmdir(folder);
 }
 
 const char *scratch_path(void) {
-    if (folder[0] != '\0') {
+    if (folder[0] != '\0')
         return path;
-    }
     const char *base = getenv("TMPDIR");
     base = base != NULL && base[0] != '\0' ? base : "/tmp";
-    if (snprintf(folder, sizeof folder, "%s/shear-paper-XXXXXX", base) >= FOLDER) {
+    if (snprintf(folder, sizeof folder, "%s/shear-paper-XXXXXX", base) >= FOLDER)
         must_fail(SHEAR_E_IO, NULL, "TMPDIR is too long a name");
-    }
     if (mkdtemp(folder) == NULL) {
         must_fail(SHEAR_E_IO, "set TMPDIR to a folder with room", "cannot make a folder in %s: %s",
                   base, strerror(errno));

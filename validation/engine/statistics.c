@@ -18,9 +18,8 @@ static chi_square hotelling(const gsl_matrix *vectors, const gsl_vector *values,
     for (size_t k = 0; k < values->size; k++) {
         const double value = gsl_vector_get(values, k);
         double dot = 0.0;
-        for (size_t i = 0; i < pull->size; i++) {
+        for (size_t i = 0; i < pull->size; i++)
             dot += gsl_matrix_get(vectors, i, k) * gsl_vector_get(pull, i);
-        }
         if (value > floor_of_eigenvalues) {
             test.chi2 += dot * dot / value;
             test.dof++;
@@ -28,9 +27,8 @@ static chi_square hotelling(const gsl_matrix *vectors, const gsl_vector *values,
     }
     const double n = groups - 1.0;
     const double p = test.dof;
-    if (test.dof > 0 && n > p) {
+    if (test.dof > 0 && n > p)
         test.p = gsl_cdf_fdist_Q(test.chi2 * (n - p + 1.0) / (n * p), p, n - p + 1.0);
-    }
     return test;
 }
 
@@ -97,23 +95,20 @@ static double kolmogorov_q(double lambda) {
     double sum = 0.0;
     if (lambda < 1.18) {
         double x = exp(-M_PI * M_PI / (8.0 * lambda * lambda));
-        for (int k = 1; k < 20; k += 2) {
+        for (int k = 1; k < 20; k += 2)
             sum += pow(x, k * k);
-        }
         return lambda > 0.0 ? 1.0 - sqrt(2.0 * M_PI) / lambda * sum : 1.0;
     }
-    for (int k = 1; k < 20; k++) {
+    for (int k = 1; k < 20; k++)
         sum += (k % 2 != 0 ? 2.0 : -2.0) * exp(-2.0 * k * k * lambda * lambda);
-    }
     return sum;
 }
 
 double ks_distance(double *v, size_t n, double nu, double *p) {
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {
-        if (isfinite(v[i])) {
+        if (isfinite(v[i]))
             v[kept++] = v[i];
-        }
     }
     sort_doubles(v, kept);
     double d = 0.0;

@@ -23,9 +23,8 @@ const char trial_fixed[] =
 char *trial_told_text(const trial_outcome *o, char *buf, size_t size) {
     static const char *const names[] = {"no", "warned", "flagged", "no shear", "refused"};
     snprintf(buf, size, "%s", names[(int)o->told]);
-    if ((int)o->told == TOLD_REFUSED) {
+    if ((int)o->told == TOLD_REFUSED)
         snprintf(buf, size, "refused (%s)", shear_code_name((int)o->code));
-    }
     return buf;
 }
 
@@ -56,9 +55,8 @@ static int groups_of(const trial *t) {
 
 /* The first stamp of a group; whole galaxies stay together. */
 static int64_t begin_of(const trial *t, int group) {
-    if (t->flaw->stamps > 0) {
+    if (t->flaw->stamps > 0)
         return (int64_t)group * t->flaw->stamps;
-    }
     return t->stamps / t->copies * group / t->groups * t->copies;
 }
 
@@ -70,12 +68,10 @@ static void tell(trial_outcome *out, enum trial_told told) {
 
 static void tell_result(trial_outcome *out, const shear_result *r, const shear_plan_info *plan) {
     sheard_advice_list list;
-    if (!r->valid) {
+    if (!r->valid)
         tell(out, TOLD_NO_SHEAR);
-    }
-    if (r->n_flagged > 0) {
+    if (r->n_flagged > 0)
         tell(out, TOLD_FLAGGED);
-    }
     sheard_advice_all(&list, r, plan, NULL);
     for (size_t i = 0; i < list.n; i++) {
         tell(out, TOLD_WARNED);
@@ -112,12 +108,10 @@ static void measure(running *s, int i, int sign, int group) {
         return;
     }
     must(code);
-    if (f->stamps > 0 || at == 0) {
+    if (f->stamps > 0 || at == 0)
         s->plan[i] = report.plan;
-    }
-    if (f->stamps > 0) {
+    if (f->stamps > 0)
         tell_result(out, &report.result, &report.plan);
-    }
 }
 
 static void do_group(running *s, int group) {
@@ -126,20 +120,17 @@ static void do_group(running *s, int group) {
     const int count = (int)(begin_of(t, group + 1) - first);
     double spoilt = 0.0;
     trial_stamps_draw(s->stamps, first, count);
-    for (int k = 0; k < count; k++) {
+    for (int k = 0; k < count; k++)
         spoilt += 2.0 * flaw_spoils(t->flaw, t->seed, first + k);
-    }
     for (int level = 0; level < t->n_levels; level++) {
         for (int sign = 0; sign < 2; sign++) {
             trial_stamps_write(s->stamps, &t->levels[level], sign, scratch_path());
-            for (int i = level * t->n_ways; i < (level + 1) * t->n_ways; i++) {
+            for (int i = level * t->n_ways; i < (level + 1) * t->n_ways; i++)
                 measure(s, i, sign, group);
-            }
         }
     }
-    for (int i = 0; i < t->n_levels * t->n_ways; i++) {
+    for (int i = 0; i < t->n_levels * t->n_ways; i++)
         s->out[i].spoilt += spoilt;
-    }
 }
 
 /* ---- the whole ---- */
@@ -182,9 +173,8 @@ static void work(void *context, int chunk, double *values) {
     assert(chunk == 0);
     (void)chunk;
     prepare(&s);
-    for (int group = 0; group < s.groups; group++) {
+    for (int group = 0; group < s.groups; group++)
         do_group(&s, group);
-    }
     for (int i = 0; i < t->n_levels * t->n_ways; i++) {
         conclude(&s, i);
         trial_sums_free(s.sums[i]);

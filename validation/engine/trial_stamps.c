@@ -73,17 +73,15 @@ trial_stamps *trial_stamps_new(const trial *t, int most) {
     s->weight = must_allocate(count, sizeof(double), "stamps");
     s->r_gal = must_allocate(count, sizeof(double), "stamps");
     s->psf_id = must_allocate(count, sizeof(int32_t), "stamps");
-    for (int i = 0; i < s->threads; i++) {
+    for (int i = 0; i < s->threads; i++)
         s->lights[i] = new_light(f, f->side, reach_of(f), 1.0);
-    }
     draw_psf(s);
     return s;
 }
 
 void trial_stamps_free(trial_stamps *s) {
-    for (int i = 0; i < s->threads; i++) {
+    for (int i = 0; i < s->threads; i++)
         light_free(s->lights[i]);
-    }
     for (int i = 0; i < 2; i++) {
         free(s->bare[i]);
         free(s->noise[i]);
@@ -101,9 +99,8 @@ void trial_stamps_free(trial_stamps *s) {
 
 static double norm_of(const double *image, size_t n) {
     double square = 0.0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         square += image[i] * image[i];
-    }
     return sqrt(square);
 }
 
@@ -131,9 +128,8 @@ static void draw_galaxy(trial_stamps *s, light *l, int at, int copies) {
         const light_galaxy g = population_galaxy(&p, s->first + k);
         population_centre(&p, s->first + k, &x, &y);
         light_draw(l, &g, x, y, image);
-        for (size_t j = 0; j < s->pixels; j++) {
+        for (size_t j = 0; j < s->pixels; j++)
             image[j] *= flux;
-        }
         s->r_gal[k] = r_gal;
     }
 }
@@ -170,9 +166,8 @@ static void compose(trial_stamps *s, const trial_level *level, int sign) {
         const size_t offset = (size_t)k * s->pixels;
         const double snr = trial_stamps_snr(s, level, k);
         double *galaxy = s->stamps[0] + offset;
-        for (size_t i = 0; i < s->pixels; i++) {
+        for (size_t i = 0; i < s->pixels; i++)
             galaxy[i] = snr * s->bare[sign][offset + i];
-        }
         flaw_apply(t->flaw, t->seed, s->first + k, s->noise[0] + offset, s->noise[1] + offset,
                    galaxy, s->stamps[1] + offset);
         s->weight[k] = t->flaw->mistake == FLAW_WEIGHTLESS ? 0.0 : 1.0;

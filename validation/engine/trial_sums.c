@@ -18,9 +18,8 @@ trial_sums *trial_sums_new(int groups, enum shear_estimator estimator) {
     s->terms = must_allocate(n, sizeof(shear_symmetry *), "terms");
     for (size_t i = 0; i < n; i++) {
         must(shear_field_sums_new(&s->sums[i], &must_error));
-        if (shear_estimator_is_symmetric(estimator)) {
+        if (shear_estimator_is_symmetric(estimator))
             must(shear_symmetry_new(&s->terms[i], &must_error));
-        }
     }
     return s;
 }
@@ -50,19 +49,16 @@ static shear_result result_of(const trial_sums *s, int sign, part p) {
     shear_symmetry *terms = NULL;
     shear_result result;
     must(shear_field_sums_new(&sums, &must_error));
-    if (s->terms[0] != NULL) {
+    if (s->terms[0] != NULL)
         must(shear_symmetry_new(&terms, &must_error));
-    }
     for (int i = 0; i < s->groups; i++) {
         const int at = sign * s->groups + i;
         const bool inside = i >= p.from && i < p.to;
-        if (inside == p.without) {
+        if (inside == p.without)
             continue;
-        }
         shear_field_sums_join(sums, s->sums[at]);
-        if (terms != NULL) {
+        if (terms != NULL)
             must(shear_symmetry_join(terms, s->terms[at], 0, &must_error));
-        }
     }
     must(shear_estimate(s->estimator, sums, terms, &result, &must_error));
     shear_symmetry_free(terms);
@@ -114,12 +110,10 @@ static part piece(const trial_sums *s, int n, int i) {
 static double error_of(const double *v, int n, int which, double factor) {
     double mean = 0.0;
     double sum = 0.0;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         mean += v[(size_t)i * N_VALUES + (size_t)which] / n;
-    }
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         sum += pow(v[(size_t)i * N_VALUES + (size_t)which] - mean, 2.0);
-    }
     return sqrt(factor * sum);
 }
 
@@ -130,9 +124,8 @@ static void fill_errors(const double *v, int n, double factor, int64_t stamps, t
         out->m_of_err[i] = error_of(v, n, 1 + i, factor);
         out->c_err[i] = error_of(v, n, 3 + i, factor);
     }
-    for (int i = 5; i < N_VALUES; i++) {
+    for (int i = 5; i < N_VALUES; i++)
         square += 0.25 * pow(error_of(v, n, i, factor), 2.0);
-    }
     out->error = sqrt(square * (double)stamps);
     /* Two components; the two signs hardly differ. */
     out->error_err = out->error / sqrt(4.0 * (n - 1.0));
@@ -159,17 +152,15 @@ void trial_sums_conclude(const trial_sums *s, const trial *t, trial_outcome *out
     if (s->refused) {
         out->m = out->m_err = out->error = out->error_err = out->quoted = NAN;
         out->level = out->level_err = NAN;
-        for (int i = 0; i < 2; i++) {
+        for (int i = 0; i < 2; i++)
             out->m_of[i] = out->m_of_err[i] = out->c[i] = out->c_err[i] = NAN;
-        }
         return;
     }
     double factor;
     const int n = pieces_of(s, &factor);
     double *v = must_allocate((size_t)n * N_VALUES, sizeof *v, "errors");
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         values_of(s, t, piece(s, n, i), v + (size_t)i * N_VALUES);
-    }
     fill_errors(v, n, factor, t->stamps, out);
     fill_values(s, t, out);
     free(v);
@@ -188,9 +179,8 @@ void trial_sums_shift(const trial_sums *s, const trial_sums *reference, const tr
     double factor;
     const int n = pieces_of(s, &factor);
     double *v = must_allocate((size_t)n * N_VALUES, sizeof *v, "errors");
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         v[(size_t)i * N_VALUES] = shift_of(s, reference, t, piece(s, n, i));
-    }
     *shift = shift_of(s, reference, t, whole(s));
     *shift_err = error_of(v, n, 0, factor);
     free(v);

@@ -51,9 +51,8 @@ static bias_cases list_cases(const options *o) {
         rest /= of_ways->n;
         b.psf = (enum shear_mock_psf)of_psfs->v[rest % of_psfs->n];
         b.kind = (enum shear_mock_galaxy)of_kinds->v[rest / of_psfs->n];
-        if (is_sound(&b) && all.n < MAX_CASES && (!b.large || asks_large)) {
+        if (is_sound(&b) && all.n < MAX_CASES && (!b.large || asks_large))
             all.of[all.n++] = b;
-        }
     }
     return all;
 }
@@ -87,12 +86,10 @@ static shear_set shears_of(const options *o, const bias_case *b, int way) {
 static int64_t stamps(const options *o) {
     const bias_cases all = list_cases(o);
     int64_t total = 0;
-    if (4 * options_list(o, "large")->n > BIAS_MAX_SHEARS) {
+    if (4 * options_list(o, "large")->n > BIAS_MAX_SHEARS)
         must_fail(SHEAR_E_SETTING, NULL, "option '--large': at most %d", BIAS_MAX_SHEARS / 4);
-    }
-    for (int i = 0; i < all.n; i++) {
+    for (int i = 0; i < all.n; i++)
         total += stamps_of(o, &all.of[i]) * shears_of(o, &all.of[i], 0).n;
-    }
     return total;
 }
 
@@ -167,16 +164,14 @@ static void add_large_curve(lines *all, const bias_case *b, const jackknife_sums
     double cov[MOST * MOST];
     const int n = set->n / 4;
     jackknife_covariance(sums, relative, set, n, v, cov);
-    if (all->n_large == MAX_LARGE) {
+    if (all->n_large == MAX_LARGE)
         return;
-    }
     char *label = all->large_label[all->n_large];
     curve *c = &all->large[all->n_large++];
     *c = (curve){label, (enum shear_hue)all->n_large,
                  .marker = (enum shear_marker)((all->n_large - 1) % 4)};
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n; k++)
         curve_add(c, set->g[4 * k][0], v[k], sqrt(cov[k * n + k]));
-    }
     snprintf(label, sizeof all->large_label[0], "%s W_{%s}", bias_kinds[b->kind],
              bias_psfs[b->psf]);
 }
@@ -187,9 +182,8 @@ static void do_case(run *r, const bias_case *b, lines *all) {
         const shear_set set = shears_of(r->options, b, k);
         line *l = &all->of[all->n++];
         *l = (line){.of = *b, .way = b->interpolated ? 1 + k : 0};
-        for (int group = 0; group < sums->groups; group++) {
+        for (int group = 0; group < sums->groups; group++)
             l->n += (double)jackknife_sums_at(sums, set.series[0], group)->n_used;
-        }
         if (b->large) {
             l->cubic = bias_fit_cubic(sums, &set);
             add_large_curve(all, b, sums, &set);
@@ -203,9 +197,8 @@ static void do_case(run *r, const bias_case *b, lines *all) {
 static void run_bias(run *r) {
     const bias_cases cases = list_cases(r->options);
     lines *all = must_allocate(1, sizeof *all, "results");
-    for (int i = 0; i < cases.n; i++) {
+    for (int i = 0; i < cases.n; i++)
         do_case(r, &cases.of[i], all);
-    }
     bias_report(r, all);
     free(all);
 }

@@ -35,9 +35,8 @@ static const column columns_of_both[] = {
 
 static double worst_pull(const bias_fit *b) {
     double worst = 0.0;
-    for (int c = 0; c < 2; c++) {
+    for (int c = 0; c < 2; c++)
         worst = fmax(worst, fmax(fabs(b->m[c] / b->m_err[c]), fabs(b->c[c] / b->c_err[c])));
-    }
     return worst;
 }
 
@@ -51,9 +50,8 @@ static void add_row(table *t, const line *l) {
         table_numbers(t, NAN, l->cubic.cubic, l->cubic.cubic_err);
         return;
     }
-    for (int c = 0; c < 2; c++) {
+    for (int c = 0; c < 2; c++)
         table_numbers(t, b->m[c], b->m_err[c], b->c[c], b->c_err[c]);
-    }
     table_numbers(t, worst_pull(b), NAN, NAN);
 }
 
@@ -93,12 +91,10 @@ static void tabulate(table *t, const lines *all) {
     table_columns(t, columns);
     table_components(t, components);
     table_columns(t, columns_of_both);
-    for (int i = 0; i < all->n; i++) {
+    for (int i = 0; i < all->n; i++)
         add_row(t, &all->of[i]);
-    }
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; i++)
         conclude_noise(t, all, (enum bias_noise)(i % 3), i / 3 == 1);
-    }
     for (int i = 0; i < all->n; i++) {
         const line *l = &all->of[i];
         if (l->of.large) {
@@ -147,9 +143,8 @@ static void draw_bias(shear_figure *f, shear_rect cell, const lines *all, bool o
     const double goal = of_c ? c_goal : m_goal;
     p.n = 0;
     for (int i = 0; i < all->n; i++) {
-        if (!all->of[i].of.large) {
+        if (!all->of[i].of.large)
             add_point(&p, &all->of[i], of_c);
-        }
     }
     shear_axes_begin(
         f, &(shear_axes){
@@ -171,9 +166,8 @@ static void draw_bias(shear_figure *f, shear_rect cell, const lines *all, bool o
 static void draw(run *r, const lines *all) {
     static const double widths[] = {0.62, 0.38};
     int n = 0;
-    for (int i = 0; i < all->n; i++) {
+    for (int i = 0; i < all->n; i++)
         n += !all->of[i].of.large;
-    }
     const double height = 24.0 * n + 90.0;
     const double more = all->n_large > 0 ? 300.0 : 0.0;
     const shear_grid grid = {{8, 8, 984, height}, 1, 2, .gap_x = 8, .column_weights = widths};

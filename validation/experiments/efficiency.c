@@ -78,9 +78,8 @@ static void tabulate(table *t, const efficiency_fields *f, summary *s) {
     s->line = shape_bound_line(&counts);
     s->plane = shape_bound_plane(&counts);
     table_columns(t, columns);
-    for (int c = 0; c < f->cases.n; c++) {
+    for (int c = 0; c < f->cases.n; c++)
         add_case(t, f, c, s);
-    }
     table_meta(t, "bound_one_component", "%.5f", s->line);
     table_meta(t, "bound_both_components", "%.5f", s->plane);
     table_conclude(t,

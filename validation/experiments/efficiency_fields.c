@@ -28,9 +28,8 @@ static brightness_cases list_cases(const options *o) {
         add_case(&all, ranges->v[i], slope, 0.0, NAN);
         add_case(&all, ranges->v[i], slope, unit / snr, snr);
     }
-    for (int i = 0; i < bias->n; i++) {
+    for (int i = 0; i < bias->n; i++)
         add_case(&all, 1.0, slope, unit / bias->v[i], bias->v[i]);
-    }
     return all;
 }
 
@@ -54,9 +53,8 @@ static double find_typical_d(brightness_stamps *s) {
     brightness_stamps_rows(s, 0, N, 1, &one, rows);
     for (int i = 0; i < N; i++) {
         int below = 0;
-        for (int k = 0; k < N; k++) {
+        for (int k = 0; k < N; k++)
             below += rows[k].d < rows[i].d;
-        }
         median = below == N / 2 ? rows[i].d : median;
     }
     return median;
@@ -93,18 +91,16 @@ static void estimate(const shear_row *rows, int count, double beta_px, int estim
     shear_symmetry *terms = NULL;
     shear_result s = {0};
     must(shear_field_sums_new(&sums, &must_error));
-    if (estimator != MEAN) {
+    if (estimator != MEAN)
         must(shear_symmetry_new(&terms, &must_error));
-    }
     for (int i = 0; i < count; i++) {
         const shear_row row = estimator == CROSSED ? rows[i] : without_cross(&rows[i]);
         shear_block_sums block;
         shear_block_sums_init(&block);
         shear_block_sums_add(&block, &row);
         shear_field_sums_add(sums, &block);
-        if (terms != NULL) {
+        if (terms != NULL)
             must(shear_symmetry_add(terms, &row, beta_px, &must_error));
-        }
     }
     must(shear_estimate((enum shear_estimator)estimator, sums, terms, &s, &must_error));
     out[0] = s.g1;
@@ -155,9 +151,8 @@ static void measure_field(void *context, int field, double *values) {
             estimate(m->rows + (size_t)c * (size_t)f->count, f->count, m->beta_px, i % N_ESTIMATORS,
                      values + place(c, i % N_ESTIMATORS, sign));
         }
-        if (sign == 0) {
+        if (sign == 0)
             count_shapes(m, first, values + f->cases.n * EFFICIENCY_PER_CASE);
-        }
     }
 }
 
@@ -228,9 +223,8 @@ shape_counts efficiency_fields_shapes(const efficiency_fields *f) {
     shape_counts counts;
     for (int i = 0; i < f->options->groups; i++) {
         const double *shapes = f->values + (size_t)(i + 1) * per_field - SHAPE_VALUES;
-        for (int k = 0; k < SHAPE_VALUES; k++) {
+        for (int k = 0; k < SHAPE_VALUES; k++)
             sum[k] += shapes[k];
-        }
     }
     memcpy(&counts, sum, sizeof counts);
     return counts;

@@ -42,9 +42,8 @@ static int fields_of_chunk(const options *o, int k) {
 /* Of the first n lengths. */
 static int values_of_chunk(const options *o, int n) {
     int fields = 0;
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n; k++)
         fields += fields_of_chunk(o, k);
-    }
     return fields * PER_FIELD;
 }
 
@@ -80,9 +79,8 @@ static void measure_field(const shear_row *rows, int n, int groups, double out[P
     for (int from = 0; from < n; from += SHEAR_BLOCK) {
         shear_block_sums block;
         shear_block_sums_init(&block);
-        for (int i = from; i < n && i < from + SHEAR_BLOCK; i++) {
+        for (int i = from; i < n && i < from + SHEAR_BLOCK; i++)
             shear_block_sums_add(&block, &rows[i]);
-        }
         shear_field_sums_add(sums, &block);
         must(shear_jackknife_add(jack, &block, &must_error));
     }
@@ -111,9 +109,8 @@ static void measure_chunk(void *context, int chunk, double *values) {
     sampler_rows(of->sampler, (int64_t)chunk * length, length, of->rows);
     for (int k = 0; k < options_list(o, "lengths")->n; k++) {
         const int n = length_of(o, k);
-        for (int i = 0; i < fields_of_chunk(o, k); i++, values += PER_FIELD) {
+        for (int i = 0; i < fields_of_chunk(o, k); i++, values += PER_FIELD)
             measure_field(of->rows + i * n, n, jackknife_groups(o, n), values);
-        }
     }
 }
 

@@ -139,14 +139,12 @@ static void run_images(run *r) {
     const image coarse = draw_mock(&o->mock);
     const image truth = draw_truth(o);
     image fine[N_METHODS];
-    for (int i = 0; i < N_METHODS; i++) {
+    for (int i = 0; i < N_METHODS; i++)
         fine[i] = interpolate(o, i, &coarse);
-    }
     tabulate(r->table, &truth, fine);
     draw(r, &coarse, &truth, fine);
-    for (int i = 0; i < N_METHODS; i++) {
+    for (int i = 0; i < N_METHODS; i++)
         free(fine[i].pixels);
-    }
     free(coarse.pixels);
     free(truth.pixels);
 }

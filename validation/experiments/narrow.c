@@ -77,9 +77,8 @@ static powers find_powers(const options *o) {
     for (int galaxy = 0; galaxy < POWER_GALAXIES; galaxy++) {
         const int n = shear_mock_points(mock, galaxy, x, x + most);
 #pragma omp parallel for schedule(dynamic)
-        for (int i = 0; i < POWERS; i++) {
+        for (int i = 0; i < POWERS; i++)
             p.v[i] += power_of_points(n, x, x + most, power_step * i);
-        }
     }
     free(x);
     shear_mock_free(mock);
@@ -200,12 +199,10 @@ static void conclude(table *t, const points *all, int way) {
 
 static void tabulate(table *t, const points *all) {
     table_columns(t, columns);
-    for (int i = 0; i < N_WAYS * all->n; i++) {
+    for (int i = 0; i < N_WAYS * all->n; i++)
         add_row(t, &all->of[i % all->n], i / all->n);
-    }
-    for (int way = 0; way < N_WAYS; way++) {
+    for (int way = 0; way < N_WAYS; way++)
         conclude(t, all, way);
-    }
     table_conclude(t,
                    "the aliases of exponential disks of half-light radius 0.5 px are 10^-3 of the "
                    "signal at R_PSF = %.2f px",
@@ -279,9 +276,8 @@ static void run_narrow(run *r) {
         p->r_psf_px = radii->v[all->n];
         measure(o, r->cache, p);
         p->own = share_at(p->r_psf_px, p->beta_px[0], power_at, &own);
-        for (int k = 0; k < N_DISKS; k++) {
+        for (int k = 0; k < N_DISKS; k++)
             p->disk[k] = share_at(p->r_psf_px, p->beta_px[0], disk_power, &disks_px[k]);
-        }
     }
     tabulate(r->table, all);
     const panels p = run_panels(r, NULL, 1100, 740,

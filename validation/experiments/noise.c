@@ -50,9 +50,8 @@ static void conclude(table *t, const jackknife_sums *sums, double worst, double 
     char text[96];
     int corrected[MAX_VALUES];
     const int n = sums->n_series / 2;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         corrected[i] = 2 * i;
-    }
     const chi_square test = jackknife_test(sums, n, corrected, truth);
     table_meta(t, "worst_pull", "%.3f", worst);
     table_meta(t, "chi2", "%.3f", test.chi2);
@@ -121,9 +120,8 @@ static void draw_images(run *r) {
     const parameter_values *ratios = options_list(r->options, "pictured");
     const shear_grid grid = {{6, 6, 588, 628}, .rows = 2, .columns = 2, .gap_x = 6, .gap_y = 6};
     shear_figure *f = run_figure(r, "images", 600, 640);
-    for (int i = 0; i < ratios->n && i < 4; i++) {
+    for (int i = 0; i < ratios->n && i < 4; i++)
         draw_image(r->options, f, shear_grid_cell(&grid, i / 2, i % 2, 1, 1), ratios->v[i]);
-    }
 }
 
 static void run_noise(run *r) {

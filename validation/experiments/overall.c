@@ -18,12 +18,10 @@ static const parameter parameters[] = {
 
 static int64_t stamps(const options *o) {
     const int sizes = options_list(o, "sizes")->n;
-    if (sizes > MAX_SIZES) {
+    if (sizes > MAX_SIZES)
         must_fail(SHEAR_E_SETTING, NULL, "option '--sizes': at most %d", MAX_SIZES);
-    }
-    if (options_list(o, "ratios")->n != N_PANELS) {
+    if (options_list(o, "ratios")->n != N_PANELS)
         must_fail(SHEAR_E_SETTING, NULL, "option '--ratios': %d are needed", N_PANELS);
-    }
     return o->galaxies * N_PANELS * sizes;
 }
 
@@ -52,9 +50,8 @@ static jackknife_sums *measure(const options *o, cache *c, int panel, double siz
     m->r_gal_px = size * m->r_psf_px;
     m->step_px = options_number(o, "step") * m->r_gal_px;
     m->noise_ratio = options_list(o, "ratios")->v[panel];
-    for (int i = 0; i < N_BEST; i++) {
+    for (int i = 0; i < N_BEST; i++)
         best[i] = method_series(method_of(i), PSF_FINE, m->r_psf_px, &o->settings);
-    }
     snprintf(name, sizeof name, "%s,W_%s,R_G=%g", kinds[panel].galaxy, kinds[panel].psf, size);
     return sample_measure(
         o, c, &(sample){name, .n_scenes = 1, .scenes = &only, .n_series = N_BEST, .series = best});
@@ -132,13 +129,11 @@ static void conclude(run *r, const jackknife_sums *all, const outcome *out, int 
     chi_square test = {0};
     int n = 0;
     for (int k = 0; k < N_PANELS * sizes->n; k++) {
-        if (sizes->v[k % sizes->n] >= large) {
+        if (sizes->v[k % sizes->n] >= large)
             series_of[n++] = N_BEST * k + i;
-        }
     }
-    if (n > 0) {
+    if (n > 0)
         test = jackknife_test(all, n, series_of, truth);
-    }
     table_conclude(
         r->table,
         "%s, sizes from %g R_PSF on: %d of %d shears within 3 errors, largest pull %.1f; "
@@ -168,9 +163,8 @@ static void draw(run *r, const outcome *out) {
 static void run_overall(run *r) {
     outcome *out = must_allocate(1, sizeof *out, "results");
     jackknife_sums *all = tabulate(r, out);
-    for (int i = 0; i < N_BEST; i++) {
+    for (int i = 0; i < N_BEST; i++)
         conclude(r, all, out, i);
-    }
     draw(r, out);
     jackknife_sums_free(all);
     free(out);

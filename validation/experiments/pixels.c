@@ -20,9 +20,8 @@ static const parameter parameters[] = {
 
 static int64_t stamps(const options *o) {
     const int sizes = options_list(o, "sizes")->n;
-    if (sizes > MAX_SIZES) {
+    if (sizes > MAX_SIZES)
         must_fail(SHEAR_E_SETTING, NULL, "option '--sizes': at most %d", MAX_SIZES);
-    }
     return o->galaxies * sizes * (options_list(o, "ratios")->n + 1);
 }
 
@@ -158,9 +157,8 @@ static const column gain[] = {{"gain", TABLE_NUMBER, 5,
 static void add_row(table *t, int psf, const point *p) {
     table_numbers(t, p->size, p->ratio);
     table_texts(t, methods[p->method].label, psf_sampling_names[psf]);
-    for (int c = 0; c < 2; c++) {
+    for (int c = 0; c < 2; c++)
         table_numbers(t, p->g[c], p->err[c], p->pull[c], p->dev[c], p->dev_err[c]);
-    }
     table_numbers(t, p->gain, p->gain_err);
 }
 
@@ -256,15 +254,12 @@ static void run_pixels(run *r) {
     table_columns(r->table, columns);
     table_components(r->table, components);
     table_columns(r->table, gain);
-    for (int i = 0; i < sizes->n; i++) {
+    for (int i = 0; i < sizes->n; i++)
         sums[i] = measure_size(r->options, r->cache, sizes->v[i]);
-    }
-    for (int psf = 0; psf < samplings(r->options); psf++) {
+    for (int psf = 0; psf < samplings(r->options); psf++)
         do_sampling(r, sums, psf);
-    }
-    for (int i = 0; i < sizes->n; i++) {
+    for (int i = 0; i < sizes->n; i++)
         jackknife_sums_free(sums[i]);
-    }
 }
 
 const experiment experiment_pixels = {

@@ -36,9 +36,8 @@ static const parameter parameters[] = {
     {0}};
 
 static int64_t stamps(const options *o) {
-    if (options_list(o, "snrs")->n >= TRIAL_MAX_LEVELS) {
+    if (options_list(o, "snrs")->n >= TRIAL_MAX_LEVELS)
         must_fail(SHEAR_E_SETTING, NULL, "option '--snrs': at most %d", TRIAL_MAX_LEVELS - 1);
-    }
     return 2 * o->galaxies;
 }
 
@@ -62,9 +61,8 @@ static trial trial_of(const options *o) {
     const parameter_values *snrs = options_list(o, "snrs");
     const int n_steps = options_list(o, "steps")->n;
     trial t = trial_of_options(o, 1);
-    for (int i = 0; i < snrs->n; i++) {
+    for (int i = 0; i < snrs->n; i++)
         t.levels[t.n_levels++] = (trial_level){.snr = snrs->v[i], .range = 1.0};
-    }
     t.levels[t.n_levels++] =
         (trial_level){.snr = options_number(o, "broad"), .range = options_number(o, "range")};
     t.n_ways = n_steps < N_STEPS ? 2 * n_steps : 2 * N_STEPS;

@@ -87,9 +87,8 @@ static void fill_aperture(measuring *m) {
 
 static double aperture_snr(const measuring *m, const double *image) {
     double sum = 0.0;
-    for (int i = 0; i < m->side * m->side; i++) {
+    for (int i = 0; i < m->side * m->side; i++)
         sum += m->aperture[i] * image[i];
-    }
     return sum / m->aperture_noise;
 }
 
@@ -129,9 +128,8 @@ static void do_group(measuring *m, int group) {
     for (int sign = 0; sign < 2; sign++) {
         trial_stamps_write(m->drawn, &t->levels[0], sign, scratch_path());
         measure(m, sign, count);
-        for (int k = 0; k < count; k++) {
+        for (int k = 0; k < count; k++)
             keep_stamp(m, k, sign, &m->stamps[sign * t->stamps + first + k]);
-        }
     }
 }
 
@@ -149,9 +147,8 @@ static cut find_cut(const measuring *m, enum cut_on on, double kept) {
     size_t n = 0;
     double *v = must_allocate(all, sizeof *v, "a cut");
     for (size_t i = 0; i < all; i++) {
-        if (m->stamps[i].row.flags == 0) {
+        if (m->stamps[i].row.flags == 0)
             v[n++] = m->stamps[i].value[on];
-        }
     }
     if (n > 0) {
         sort_doubles(v, n);
@@ -170,13 +167,11 @@ static double gather(const measuring *m, cut c, int64_t from, int64_t to, shear_
         shear_block_sums_init(&b);
         for (int64_t i = block; i < block + SHEAR_BLOCK && i < to; i++) {
             const stamp *s = &m->stamps[i];
-            if (!(s->value[c.on] >= c.threshold)) {
+            if (!(s->value[c.on] >= c.threshold))
                 continue;
-            }
             shear_block_sums_add(&b, &s->row);
-            if (terms != NULL) {
+            if (terms != NULL)
                 must(shear_symmetry_add(terms, &s->row, m->beta_px, &must_error));
-            }
         }
         n += (double)b.n_used;
         shear_field_sums_add(sums, &b);
@@ -250,9 +245,8 @@ static void work(void *context, int chunk, double *values) {
     assert(chunk == 0);
     (void)chunk;
     prepare(&m, *(const options *const *)context);
-    for (int group = 0; group < m.trial.groups; group++) {
+    for (int group = 0; group < m.trial.groups; group++)
         do_group(&m, group);
-    }
     cut_all(&m, (outcome *)values);
     free(m.stamps);
     free(m.rows);
@@ -275,9 +269,8 @@ static const column columns[] = {
 /* At the part nearest to a half. `out` [kept][N_ESTIMATORS] */
 static void conclude(table *t, const parameter_values *kept, const outcome *out, int i_cut) {
     int half = 0;
-    for (int i = 1; i < kept->n; i++) {
+    for (int i = 1; i < kept->n; i++)
         half = fabs(kept->v[i] - 0.5) < fabs(kept->v[half] - 0.5) ? i : half;
-    }
     const outcome *mean = &out[half * N_ESTIMATORS];
     const outcome *pdf = mean + 1;
     table_conclude(t,
@@ -297,9 +290,8 @@ static void tabulate(table *t, const parameter_values *kept, const outcome *out)
         table_texts(t, estimator_names[i % N_ESTIMATORS]);
         table_numbers(t, o->m, o->m_err, o->shift, o->shift_err);
     }
-    for (int i = 0; i < N_CUTS; i++) {
+    for (int i = 0; i < N_CUTS; i++)
         conclude(t, kept, out + i * n, i);
-    }
 }
 
 /* ---- figure: a panel for each estimator ---- */
@@ -333,9 +325,8 @@ static void run_selection(run *r) {
     tabulate(r->table, kept, out);
     const panels p =
         run_panels(r, NULL, 1000, 440, (shear_grid){.rows = 1, .columns = 2, .gap_x = 12});
-    for (int i = 0; i < N_ESTIMATORS; i++) {
+    for (int i = 0; i < N_ESTIMATORS; i++)
         draw_panel(&p, kept->n, out, i);
-    }
     free(out);
 }
 

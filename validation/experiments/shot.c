@@ -28,12 +28,10 @@ static const parameter_values *exposures(const options *o, int panel) {
 
 static int64_t stamps(const options *o) {
     int points = N_PANELS; /* the references */
-    for (int panel = 0; panel < N_PANELS; panel++) {
+    for (int panel = 0; panel < N_PANELS; panel++)
         points += exposures(o, panel)->n;
-    }
-    if (options_list(o, "snrs")->n != N_PANELS) {
+    if (options_list(o, "snrs")->n != N_PANELS)
         must_fail(SHEAR_E_SETTING, NULL, "option '--snrs': %d are needed", N_PANELS);
-    }
     return o->galaxies * points * N_SHEARS;
 }
 
@@ -59,9 +57,8 @@ static series series_of(const options *o, int i_scene, int way, double backgroun
                 .psf_oversample = psf_oversample(PSF_FINE, o->mock.r_psf_px),
                 .settings = o->settings};
     s.settings.interpolation = ways[way].interpolation;
-    if (shear_interpolation_is_log(ways[way].interpolation)) {
+    if (shear_interpolation_is_log(ways[way].interpolation))
         s.settings.pedestal += background;
-    }
     must(shear_settings_set(&s.settings, "shot-noise", ways[way].shot_noise, &must_error));
     return s;
 }
@@ -89,9 +86,8 @@ static jackknife_sums *measure(const options *o, cache *c, double snr, double ph
         scenes[i].spec.photons = photons;
         scenes[i].spec.photon_snr = snr;
     }
-    for (int i = 0; i < N_SHEARS * N_WAYS; i++) {
+    for (int i = 0; i < N_SHEARS * N_WAYS; i++)
         all[i] = series_of(o, i / N_WAYS, i % N_WAYS, background);
-    }
     snprintf(name, sizeof name, photons > 0.0 ? "snr=%g,photons=%g" : "snr=%g,endless", snr,
              photons);
     return sample_measure(o, c,
@@ -158,16 +154,14 @@ static void add_row(run *r, const jackknife_sums *sums, int panel, double photon
 static void do_panel(run *r, int panel, outcome *out) {
     const parameter_values *photons = exposures(r->options, panel);
     const double snr = options_list(r->options, "snrs")->v[panel];
-    for (int way = 0; way < N_WAYS; way++) {
+    for (int way = 0; way < N_WAYS; way++)
         out->from[panel][way] = NAN;
-    }
     jackknife_sums *endless = measure(r->options, r->cache, snr, 0.0);
     for (int k = 0; k < photons->n; k++) {
         jackknife_sums *sums = measure(r->options, r->cache, snr, photons->v[k]);
         jackknife_sums_append(sums, endless);
-        for (int way = 0; way < N_WAYS; way++) {
+        for (int way = 0; way < N_WAYS; way++)
             add_row(r, sums, panel, photons->v[k], way, out);
-        }
         jackknife_sums_free(sums);
     }
     jackknife_sums_free(endless);
@@ -213,17 +207,14 @@ static void run_shot(run *r) {
     outcome *out = must_allocate(1, sizeof *out, "results");
     table_columns(r->table, columns);
     table_components(r->table, components);
-    for (int panel = 0; panel < N_PANELS; panel++) {
+    for (int panel = 0; panel < N_PANELS; panel++)
         do_panel(r, panel, out);
-    }
     const panels p = run_panels(
         r, NULL, 940, 780, (shear_grid){.rows = N_PANELS, .columns = 2, .gap_x = 10, .gap_y = 4});
-    for (int panel = 0; panel < N_PANELS; panel++) {
+    for (int panel = 0; panel < N_PANELS; panel++)
         conclude(r, out, panel);
-    }
-    for (int i = 0; i < 2 * N_PANELS; i++) {
+    for (int i = 0; i < 2 * N_PANELS; i++)
         draw_panel(&p, i, options_list(r->options, "snrs")->v[i / 2], out);
-    }
     free(out);
 }
 

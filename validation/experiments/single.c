@@ -21,9 +21,8 @@ static const parameter parameters[] = {
 
 static int64_t stamps(const options *o) {
     const int ratios = options_list(o, "ratios")->n;
-    if (ratios > MAX_RATIOS) {
+    if (ratios > MAX_RATIOS)
         must_fail(SHEAR_E_SETTING, NULL, "option '--ratios': at most %d", MAX_RATIOS);
-    }
     return o->galaxies * (int)options_number(o, "objects") * ratios;
 }
 
@@ -152,9 +151,8 @@ static double square_of(const object *o, int ratio, int i_series, int64_t k) {
 /* Root mean square distance of a component from the truth. */
 static double rms_of(const object *o, int ratio, int i_series) {
     double sum = 0.0;
-    for (int64_t k = 0; k < o->at[ratio].n; k++) {
+    for (int64_t k = 0; k < o->at[ratio].n; k++)
         sum += square_of(o, ratio, i_series, k);
-    }
     return sqrt(sum / (2.0 * (double)o->at[ratio].n));
 }
 
@@ -247,9 +245,8 @@ static void conclude(table *t, const objects *all, int psf) {
     const int ratios = all->ratios->n;
     int better = 0;
     for (int i = psf * N_METHODS; i < (psf + 1) * N_METHODS; i++) {
-        for (int k = 0; k < ratios && plain_of(i) >= 0; k++) {
+        for (int k = 0; k < ratios && plain_of(i) >= 0; k++)
             better += rms_of_all(all, k, i) < rms_of_all(all, k, plain_of(i));
-        }
     }
     table_conclude(
         t, "%s PSF: over %d galaxies the logarithm is nearer to the truth in %d of %d cases",
@@ -274,17 +271,14 @@ static void tabulate(table *t, const objects *all) {
     table_components(t, components);
     table_columns(t, columns_of_all);
     table_meta(t, "well_sampled", "%.6f, %.6f", all->of[0].truth[0], all->of[0].truth[1]);
-    for (int i = 0; i < all->ratios->n * N_METHOD_SERIES; i++) {
+    for (int i = 0; i < all->ratios->n * N_METHOD_SERIES; i++)
         add_row(t, all, i / N_METHOD_SERIES, i % N_METHOD_SERIES);
-    }
     for (int i = 0; i < N_METHOD_SERIES; i++) {
-        if (plain_of(i) >= 0) {
+        if (plain_of(i) >= 0)
             add_count(t, all, i);
-        }
     }
-    for (int psf = 0; psf < N_PSF_SAMPLINGS; psf++) {
+    for (int psf = 0; psf < N_PSF_SAMPLINGS; psf++)
         conclude(t, all, psf);
-    }
 }
 
 /* ---- figures of the first object ---- */
@@ -310,9 +304,8 @@ static void draw_histogram(shear_figure *f, shear_range range, const double *g, 
     double bins[BINS];
     shear_histogram(bins, BINS, range, g, (size_t)n);
     const double top = fmax(shear_range_of(bins, BINS).hi, 1.0);
-    for (int b = 0; b < BINS; b++) {
+    for (int b = 0; b < BINS; b++)
         bins[b] /= top;
-    }
     shear_axes_histogram(f, BINS, range, bins, style);
 }
 
@@ -340,9 +333,8 @@ static void draw(run *r, const char *suffix, const objects *all, int psf, int c)
     const shear_range range = choose_range(&all->of[0], all->ratios->n, c);
     const panels p = run_panels(r, suffix, 900, 560,
                                 (shear_grid){.rows = 2, .columns = 3, .gap_x = 8, .gap_y = 6});
-    for (int i = 0; i < N_METHODS; i++) {
+    for (int i = 0; i < N_METHODS; i++)
         draw_panel(p.figure, panels_cell(&p, i), all, psf * N_METHODS + i, c, range);
-    }
 }
 
 static void run_single(run *r) {
@@ -352,9 +344,8 @@ static void run_single(run *r) {
     all->n = (int)options_number(o, "objects");
     for (int i = 0; i < all->n; i++) {
         measure_truth(o, i, all->of[i].truth);
-        for (int k = 0; k < all->ratios->n; k++) {
+        for (int k = 0; k < all->ratios->n; k++)
             all->of[i].at[k] = measure(o, r->cache, i, all->ratios->v[k]);
-        }
     }
     tabulate(r->table, all);
     draw(r, NULL, all, PSF_FINE, 0);

@@ -29,9 +29,8 @@ static trial trial_of(const options *o, const flaw *f) {
     t.groups = f->fewer > 4 && o->groups > 8 ? 8 : o->groups;
     t.n_levels = snrs->n;
     t.n_ways = N_WAYS;
-    for (int i = 0; i < snrs->n; i++) {
+    for (int i = 0; i < snrs->n; i++)
         t.levels[i] = (trial_level){.snr = snrs->v[i], .range = 1.0};
-    }
     for (int i = 0; i < N_WAYS; i++) {
         t.ways[i] = o->settings;
         t.ways[i].estimator = i == 0 ? SHEAR_ESTIMATOR_MEAN : SHEAR_ESTIMATOR_PDF_SYM;
@@ -42,13 +41,11 @@ static trial trial_of(const options *o, const flaw *f) {
 static int64_t stamps(const options *o) {
     const parameter_values *rows = options_list(o, "rows");
     int64_t total = 0;
-    if (options_list(o, "snrs")->n > TRIAL_MAX_LEVELS) {
+    if (options_list(o, "snrs")->n > TRIAL_MAX_LEVELS)
         must_fail(SHEAR_E_SETTING, NULL, "option '--snrs': at most %d", TRIAL_MAX_LEVELS);
-    }
     for (int i = 0; i < rows->n; i++) {
-        if (rows->v[i] >= flaw_count()) {
+        if (rows->v[i] >= flaw_count())
             must_fail(SHEAR_E_SETTING, NULL, "option '--rows': there is no row %g", rows->v[i]);
-        }
         total += 2 * trial_of(o, &flaws[(int)rows->v[i]]).stamps;
     }
     return total;
@@ -90,12 +87,10 @@ static char *aim_text(const flaw *f, char *buf, size_t size) {
     static const char *const wishes[] = {"", "told", "flagged", "no advice for edge", "quiet"};
     char bias[32] = "";
     char to[24] = "";
-    if (f->aim_m > 0.0) {
+    if (f->aim_m > 0.0)
         snprintf(bias, sizeof bias, "m within %g%s", f->aim_m, f->wish != WISH_NOTHING ? ", " : "");
-    }
-    if (f->wish_snr > 0.0) {
+    if (f->wish_snr > 0.0)
         snprintf(to, sizeof to, " to S/N %g", f->wish_snr);
-    }
     snprintf(buf, size, "%s%s%s", bias, wishes[f->wish], to);
     return buf;
 }
@@ -164,13 +159,11 @@ static void tabulate(table *t, const parameter_values *snrs, const flaw_row *row
     table_components(t, components);
     table_columns(t, columns_of_both);
     for (int row = 0; row < n; row++) {
-        for (int i = 0; i < snrs->n * N_WAYS; i++) {
+        for (int i = 0; i < snrs->n * N_WAYS; i++)
             add_row(t, rows[row].flaw, snrs->v[i / N_WAYS], i % N_WAYS, &rows[row].out[i]);
-        }
     }
-    for (int row = 0; row < n; row++) {
+    for (int row = 0; row < n; row++)
         met += conclude(t, snrs, &rows[row]);
-    }
     table_meta(t, "met", "%d", met);
     table_meta(t, "cases", "%d", n);
 }
@@ -196,17 +189,15 @@ static void draw(run *r, const parameter_values *snrs, const flaw_row *rows, int
     const flaw_row *shown[MAX_VALUES];
     int n_shown = 0;
     for (int i = 0; i < n; i++) {
-        if (rows[i].flaw->aim_m > 0.0) {
+        if (rows[i].flaw->aim_m > 0.0)
             shown[n_shown++] = &rows[i];
-        }
     }
     const int lines = n_shown > 0 ? (n_shown + COLUMNS - 1) / COLUMNS : 1;
     const panels p =
         run_panels(r, NULL, 1100, 220 * lines + 16,
                    (shear_grid){.rows = lines, .columns = COLUMNS, .gap_x = 10, .gap_y = 6});
-    for (int i = 0; i < n_shown; i++) {
+    for (int i = 0; i < n_shown; i++)
         draw_panel(p.figure, panels_cell(&p, i), snrs, shown[i], i == 0);
-    }
 }
 
 static void run_survey(run *r) {
@@ -220,9 +211,8 @@ static void run_survey(run *r) {
     }
     tabulate(r->table, snrs, rows, which->n);
     draw(r, snrs, rows, which->n);
-    for (int i = 0; i < which->n; i++) {
+    for (int i = 0; i < which->n; i++)
         free(rows[i].out);
-    }
 }
 
 const experiment experiment_survey = {

@@ -13,21 +13,18 @@ void curve_add(curve *c, double x, double y, double err) {
 
 static shear_range range_of_x(const chart *c) {
     shear_range r = {NAN, NAN};
-    for (int i = 0; i < c->n_curves; i++) {
+    for (int i = 0; i < c->n_curves; i++)
         r = shear_range_join(r, shear_range_of(c->curves[i].x, (size_t)c->curves[i].n));
-    }
-    if (!c->log_x) {
+    if (!c->log_x)
         return shear_range_pad(r, 0.06);
-    }
     const double factor = pow(r.hi / r.lo, 0.06);
     return (shear_range){r.lo / factor, r.hi * factor};
 }
 
 static shear_range range_of_y(const chart *c) {
     shear_range r = {c->truth, c->truth};
-    if (c->y.lo < c->y.hi) {
+    if (c->y.lo < c->y.hi)
         return c->y;
-    }
     for (int i = 0; i < c->n_curves; i++) {
         const curve *of = &c->curves[i];
         for (int k = 0; k < of->n; k++) {
@@ -68,14 +65,11 @@ void chart_draw(shear_figure *f, shear_rect cell, const chart *c) {
                                       .x = {.range = x, .log = c->log_x, .label = c->x_label},
                                       .y = {range_of_y(c), .log = c->log_y, .label = c->y_label},
                                       .legend = c->legend});
-    if (isfinite(c->truth)) {
+    if (isfinite(c->truth))
         shear_axes_hline(f, c->truth, &(shear_style){.dash = SHEAR_DOTTED, .width = 1.2});
-    }
-    if (c->limit > 0.0) {
+    if (c->limit > 0.0)
         shear_axes_vline(f, c->limit, &(shear_style){.dash = SHEAR_DASHED, .width = 1.2});
-    }
-    for (int i = 0; i < c->n_curves; i++) {
+    for (int i = 0; i < c->n_curves; i++)
         draw_curve(f, c, i, x);
-    }
     shear_axes_end(f);
 }

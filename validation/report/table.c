@@ -46,9 +46,8 @@ struct table {
 table *table_new(const options *o) {
     table *t = must_allocate(1, sizeof *t, "a table");
     char *settings = options_describe(o); /* "name value" lines become one text */
-    for (char *p = strchr(settings, '\n'); p != NULL; p = strchr(p, '\n')) {
+    for (char *p = strchr(settings, '\n'); p != NULL; p = strchr(p, '\n'))
         *p = p[1] != '\0' ? ';' : '\0';
-    }
     table_meta(t, "experiment", "%s", o->experiment->name);
     table_meta(t, "command", "%s", o->command);
     table_meta(t, "version", "sheard %s", shear_version());
@@ -69,17 +68,15 @@ static void add_column(table *t, const column *of, const char *suffix, const cha
     *c = (made_column){.of = of, .help = help};
     c->width = snprintf(c->name, sizeof c->name, "%s%s", of->name, suffix);
     char *mark = strchr(c->name, '#');
-    if (mark != NULL) {
+    if (mark != NULL)
         *mark = component;
-    }
 }
 
 static void add_columns(table *t, const column *columns, char component) {
     for (const column *c = columns; c->name != NULL; c++) {
         add_column(t, c, "", c->help, component);
-        if (c->with_error) {
+        if (c->with_error)
             add_column(t, c, "_err", "its 1-sigma error", component);
-        }
     }
 }
 
@@ -93,9 +90,8 @@ void table_components(table *t, const column *columns) {
 }
 
 static cell *next_cell(table *t, made_column **c) {
-    if (!ARRAY_RESERVE(t->cells, t->capacity, t->n + 1)) {
+    if (!ARRAY_RESERVE(t->cells, t->capacity, t->n + 1))
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for a table");
-    }
     *c = &t->columns[t->n % (size_t)t->n_columns];
     return &t->cells[t->n++];
 }
@@ -188,18 +184,16 @@ void table_print(const table *t, FILE *out) {
     }
     write_rows(t, out, "  ", write_for_people);
     for (int i = 0; i < t->n_meta; i++) {
-        if (strcmp(t->meta[i].key, "verdict") == 0) {
+        if (strcmp(t->meta[i].key, "verdict") == 0)
             fprintf(out, "%s\n", t->meta[i].text);
-        }
     }
 }
 
 /* A YAML scalar between single quotes. */
 static void write_yaml(FILE *out, const char *text) {
     fputc('\'', out);
-    for (; *text != '\0'; text++) {
+    for (; *text != '\0'; text++)
         fputs(*text == '\'' ? "''" : (char[]){*text, '\0'}, out);
-    }
     fputc('\'', out);
 }
 
@@ -209,9 +203,8 @@ static void write_columns(const table *t, FILE *out) {
     for (int i = 0; i < t->n_columns; i++) {
         const made_column *c = &t->columns[i];
         fprintf(out, "# - {name: %s, ", c->name);
-        if (c->of->unit != NULL) {
+        if (c->of->unit != NULL)
             fprintf(out, "unit: %s, ", c->of->unit);
-        }
         fprintf(out, "datatype: %s, description: ", types[c->of->kind]);
         write_yaml(out, c->help);
         fputs("}\n", out);
@@ -223,13 +216,11 @@ static void write_meta(const table *t, FILE *out) {
     fputs("# meta: !!omap\n", out);
     for (int i = 0; i < t->n_meta; i++) {
         int number = 1;
-        for (int k = 0; k < i; k++) {
+        for (int k = 0; k < i; k++)
             number += strcmp(t->meta[k].key, t->meta[i].key) == 0;
-        }
         fprintf(out, "# - %s", t->meta[i].key);
-        if (number > 1) {
+        if (number > 1)
             fprintf(out, "%d", number);
-        }
         fputs(": ", out);
         write_yaml(out, t->meta[i].text);
         fputc('\n', out);
@@ -250,9 +241,8 @@ static void write_ecsv(const table *t, FILE *out) {
     write_columns(t, out);
     write_meta(t, out);
     fputs("# schema: astropy-2.0\n", out);
-    for (int i = 0; i < t->n_columns; i++) {
+    for (int i = 0; i < t->n_columns; i++)
         fprintf(out, "%s%s", t->columns[i].name, i + 1 < t->n_columns ? " " : "\n");
-    }
     write_rows(t, out, " ", write_for_programs);
 }
 
@@ -266,12 +256,10 @@ void table_save(const table *t, const options *o) {
     options_path(o, NULL, "ecsv", path);
     snprintf(part, sizeof part, "%s.part", path);
     FILE *out = fopen(part, "w");
-    if (out == NULL) {
+    if (out == NULL)
         fail(part);
-    }
     write_ecsv(t, out);
     const bool failed = ferror(out) != 0;
-    if (fclose(out) != 0 || failed || rename(part, path) != 0) {
+    if (fclose(out) != 0 || failed || rename(part, path) != 0)
         fail(path);
-    }
 }

@@ -50,15 +50,13 @@ static inline void release_free(void *p) {
 }
 
 static inline void release_fd(const int *fd) {
-    if (*fd >= 0) {
+    if (*fd >= 0)
         close(*fd);
-    }
 }
 
 static inline void release_file(FILE **file) {
-    if (*file != NULL) {
+    if (*file != NULL)
         fclose(*file);
-    }
 }
 
 #endif

@@ -17,17 +17,14 @@ int shear_catalog_begin(shear_catalog **catalog, const char *path, const shear_f
     CLEANUP(shear_catalog_release) shear_catalog *c = NULL;
     *catalog = NULL;
     int rc = sf_catalog_new(&c, path, info, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_output_create_kept(&c->out, path, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_catalog_create_table(c, info, checksum, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
 }
@@ -45,16 +42,13 @@ static int check_keys(const expected *e, const sf_cards *cards, shear_error *err
     CLEANUP(release_free) char *text = NULL;
     bool found = false;
     int rc = sf_key_string(cards, SF_KEPT_FOR, &text, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (text == NULL || strcmp(text, e->checksum) != 0) {
+    if (text == NULL || strcmp(text, e->checksum) != 0)
         return not_usable(c, "it is of another input", err);
-    }
     rc = sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &c->kept, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     return found && c->kept >= e->rows
                ? SHEAR_OK
                : not_usable(c, "fewer rows are on disk than have been counted", err);
@@ -64,9 +58,8 @@ static int check_keys(const expected *e, const sf_cards *cards, shear_error *err
 static int check_table(const expected *e, const sf_file *file, shear_error *err) {
     const sf_hdu *hdu = NULL;
     int rc = sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     if (file->index.count != 2 || file->index.hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
         hdu->axes[1] != e->catalog->n) {
         return not_usable(e->catalog, "its table has another shape", err);
@@ -74,9 +67,8 @@ static int check_table(const expected *e, const sf_file *file, shear_error *err)
     CLEANUP(sf_cards_deinit) sf_cards cards = {0};
     CLEANUP(sf_table_deinit) sf_table table = {0};
     rc = sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_table_init(&table, file, hdu, &cards, err);
     return rc != SHEAR_OK ? rc : check_keys(e, &cards, err);
 }
@@ -103,21 +95,17 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
     CLEANUP(suspended_release) shear_catalog *c = NULL; /* what cannot be resumed stays */
     *catalog = NULL;
     int rc = sf_catalog_new(&c, path, info, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     expected e = {c, checksum, rows};
     rc = sf_output_reopen(&c->out, path, check_file, &e, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = move_to_table(c, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (!sf_catalog_has_columns(c)) {
+    if (!sf_catalog_has_columns(c))
         return not_usable(c, "its table has another shape", err);
-    }
     sf_bitset_add(&c->written, 0, rows);
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
@@ -129,13 +117,11 @@ int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err) {
     const sf_place at = {c->out.name, SF_CATALOG_HDU};
     int status = 0;
     const int rc = sf_output_sync(&c->out, err);
-    if (rc != SHEAR_OK || c->kept >= rows) {
+    if (rc != SHEAR_OK || c->kept >= rows)
         return rc;
-    }
     fits_update_key_lng(c->out.fits, SF_KEPT_ROWS, rows, NULL, &status);
-    if (status != 0) {
+    if (status != 0)
         return sf_fail_status(err, at, status, "cannot be written");
-    }
     c->kept = rows;
     return sf_output_sync(&c->out, err);
 }

@@ -19,9 +19,8 @@ static void put_string(fitsfile *f, const char *key, const char *text, const cha
     char clean[1024]; /* FITS knows printable ASCII only */
     text_set(clean, sizeof clean, text);
     for (char *c = clean; *c != '\0'; c++) {
-        if (*c < ' ' || *c > '~') {
+        if (*c < ' ' || *c > '~')
             *c = '?';
-        }
     }
     fits_write_key_longstr(f, key, clean, comment, status);
 }
@@ -32,9 +31,8 @@ static void put_integer(fitsfile *f, const char *key, int64_t value, const char 
 }
 
 void sf_catalog_write_field(fitsfile *f, const shear_field_info *info, int *status) {
-    if (info->name[0] != '\0') {
+    if (info->name[0] != '\0')
         put_string(f, "FIELD", info->name, "name of the field", status);
-    }
     if (info->has_truth) {
         sf_key_write_double(f, "SIM_G1", info->sim_g1, "true shear of the mock", status);
         sf_key_write_double(f, "SIM_G2", info->sim_g2, "true shear of the mock", status);
@@ -64,9 +62,8 @@ static void put_setting(fitsfile *f, const shear_settings *s, const shear_settin
 static void put_settings(fitsfile *f, const shear_settings *s, int *status) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         put_setting(f, s, &table[i], status);
-    }
 }
 
 static void put_resolved(fitsfile *f, const shear_plan_info *p, int *status) {
@@ -88,9 +85,8 @@ static void put_counts(fitsfile *f, const shear_result *r, int *status) {
     put_integer(f, "NSTAMPS", r->n_stamps, "stamps, all of them rows here", status);
     put_integer(f, "NUSED", r->n_used, "stamps in the sums", status);
     put_integer(f, "NFLAGGED", r->n_flagged, "stamps left out", status);
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         put_integer(f, sf_flag_keywords[i], r->flagged[i], shear_flag_name(i), status);
-    }
 }
 
 /* Numbers of the result, and how many of them need a valid one. */
@@ -117,9 +113,8 @@ static void put_result(fitsfile *f, const shear_result *r, int *status) {
         const double *value = (const void *)((const char *)r + numbers[i].offset);
         sf_key_write_double(f, numbers[i].key, *value, numbers[i].comment, status);
     }
-    if (r->top_stamp >= 0) {
+    if (r->top_stamp >= 0)
         put_integer(f, "TOPSTAMP", r->top_stamp, "its number, from 0", status);
-    }
     put_string(f, "ERRMETH", shear_error_method(r), "where the errors are from", status);
     put_integer(f, "NJACK", r->jackknife, "groups of the jackknife", status);
     put_counts(f, r, status);
@@ -155,26 +150,23 @@ typedef struct reading {
 static double get_double(reading *r, const char *key) {
     double value = NAN;
     bool found = false;
-    if (r->rc == SHEAR_OK) {
+    if (r->rc == SHEAR_OK)
         r->rc = sf_key_double(r->cards, key, &value, &found, r->err);
-    }
     return value;
 }
 
 static int64_t get_integer(reading *r, const char *key, int64_t max) {
     int64_t value = 0;
     bool found = false;
-    if (r->rc == SHEAR_OK) {
+    if (r->rc == SHEAR_OK)
         r->rc = sf_key_int(r->cards, key, 0, max, &value, &found, r->err);
-    }
     return value;
 }
 
 static void get_name(reading *r, char out[72]) {
     CLEANUP(release_free) char *text = NULL;
-    if (r->rc == SHEAR_OK) {
+    if (r->rc == SHEAR_OK)
         r->rc = sf_key_string(r->cards, "FIELD", &text, r->err);
-    }
     if (r->rc == SHEAR_OK && text != NULL) {
         r->rc =
             sf_field_name_copy(out, text, SHEAR_E_FORMAT, r->cards->at, "keyword FIELD", r->err);
@@ -184,14 +176,12 @@ static void get_name(reading *r, char out[72]) {
 /* A name that this version does not know, or none, counts as the mean. */
 static enum shear_estimator get_estimator(reading *r) {
     CLEANUP(release_free) char *text = NULL;
-    if (r->rc == SHEAR_OK) {
+    if (r->rc == SHEAR_OK)
         r->rc = sf_key_string(r->cards, "ESTIMAT", &text, r->err);
-    }
     shear_settings settings;
     shear_settings_init(&settings);
-    if (text != NULL) {
+    if (text != NULL)
         (void)shear_settings_set(&settings, "estimator", text, NULL);
-    }
     return settings.estimator;
 }
 
@@ -209,9 +199,8 @@ static void get_result(reading *r, shear_result *out) {
     out->n_stamps = get_integer(r, "NSTAMPS", most);
     out->n_used = get_integer(r, "NUSED", most);
     out->n_flagged = get_integer(r, "NFLAGGED", most);
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
         out->flagged[i] = get_integer(r, sf_flag_keywords[i], most);
-    }
 }
 
 int sf_catalog_read_header(const sf_cards *cards, shear_catalog_table *t, shear_error *err) {

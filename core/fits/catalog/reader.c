@@ -35,9 +35,8 @@ static int read_flags(const sf_table *table, double *values, shear_catalog_table
                       shear_error *err) {
     bool there = false;
     const int rc = read_column(table, "FLAGS", t->n, values, &there, err);
-    for (int64_t i = 0; rc == SHEAR_OK && there && i < t->n; i++) {
+    for (int64_t i = 0; rc == SHEAR_OK && there && i < t->n; i++)
         t->rows[i].flags = values[i] >= 0.0 && values[i] <= UINT32_MAX ? (uint32_t)values[i] : 0u;
-    }
     return rc;
 }
 
@@ -68,19 +67,15 @@ static void forget_members(shear_row *row) {
 static int read_rows(const sf_table *table, shear_catalog_table *t, shear_error *err) {
     CLEANUP(release_free) double *values = calloc((size_t)t->n + 1, sizeof *values);
     t->rows = calloc((size_t)t->n + 1, sizeof *t->rows);
-    if (values == NULL || t->rows == NULL) {
+    if (values == NULL || t->rows == NULL)
         return sf_fail_memory(err, table->cards->at);
-    }
-    for (int64_t i = 0; i < t->n; i++) {
+    for (int64_t i = 0; i < t->n; i++)
         forget_members(&t->rows[i]);
-    }
     int rc = read_flags(table, values, t, err);
-    for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_MEMBERS; i++) {
+    for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_MEMBERS; i++)
         rc = read_member(table, &sf_catalog_members[i], values, t, err);
-    }
-    for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_PLACES; i++) {
+    for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_PLACES; i++)
         rc = read_place(table, &sf_catalog_places[i], values, t, err);
-    }
     return rc;
 }
 
@@ -91,9 +86,8 @@ static int check_columns(const sf_table *table, shear_error *err) {
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
         const sf_column *column = NULL;
         const int rc = sf_table_find_number(table, needed[i], &column, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
         if (column == NULL) {
             return sf_fail(err, SHEAR_E_FORMAT, table->cards->at,
                            "give a result catalog of this software", "it has no column %s",
@@ -108,25 +102,21 @@ static int read_table(const sf_file *file, shear_catalog_table *t, shear_error *
     CLEANUP(sf_cards_deinit) sf_cards cards = {0};
     CLEANUP(sf_table_deinit) sf_table table = {0};
     int rc = sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     if (hdu->kind != SF_TABLE || hdu->zimage || hdu->ztable) {
         return sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, SF_CATALOG_HDU}, NULL,
                        "must be a plain binary table (BINTABLE)");
     }
     rc = sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_table_init(&table, file, hdu, &cards, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = check_columns(&table, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     t->n = hdu->axes[1];
     rc = sf_catalog_read_header(&cards, t, err);
     return rc != SHEAR_OK ? rc : read_rows(&table, t, err);
@@ -137,18 +127,15 @@ CLEANUP_DEFINE(shear_catalog_table, shear_catalog_table_free)
 int shear_catalog_read(shear_catalog_table **table, const char *path, shear_error *err) {
     *table = NULL;
     CLEANUP(shear_catalog_table_release) shear_catalog_table *t = calloc(1, sizeof *t);
-    if (t == NULL) {
+    if (t == NULL)
         return sf_fail_memory(err, (sf_place){path, NULL});
-    }
     CLEANUP(sf_file_close) sf_file file;
     int rc = sf_file_open(&file, path, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = read_table(&file, t, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     *table = CLEANUP_TAKE(t);
     return SHEAR_OK;
 }

@@ -36,18 +36,16 @@ static void lay_out(layout *l, unsigned columns) {
     l->n = 0;
     for (int i = 0; i < SF_CATALOG_COPIED; i++) {
         const sf_column_def *def = copied(i);
-        if ((columns & def->bit) != 0) {
+        if ((columns & def->bit) != 0)
             add(l, def->name, def->form, def->unit, def->comment);
-        }
     }
     for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
         const sf_member *m = &sf_catalog_members[i];
         add(l, m->name, "D", m->unit, m->comment);
     }
     add(l, "FLAGS", "J", "", "why it is left out; 0 = in the sums");
-    for (int i = 0; i < SF_CATALOG_PLACES; i++) {
+    for (int i = 0; i < SF_CATALOG_PLACES; i++)
         add(l, sf_catalog_places[i].name, "J", "pixel", sf_catalog_places[i].comment);
-    }
 }
 
 static int check(const shear_catalog *c, int status, shear_error *err) {
@@ -102,16 +100,14 @@ int sf_catalog_new(shear_catalog **catalog, const char *path, const shear_field_
                    shear_error *err) {
     *catalog = NULL;
     CLEANUP(shear_catalog_release) shear_catalog *c = calloc(1, sizeof *c);
-    if (c == NULL) {
+    if (c == NULL)
         return sf_fail_memory(err, (sf_place){path, NULL});
-    }
     c->out.directory = -1;
     c->n = info->n_stamps;
     c->columns = info->columns;
     c->id_unsigned = info->id_unsigned;
-    if (!sf_bitset_init(&c->written, info->n_stamps)) {
+    if (!sf_bitset_init(&c->written, info->n_stamps))
         return sf_fail_memory(err, (sf_place){path, NULL});
-    }
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
 }
@@ -121,17 +117,14 @@ int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_
     CLEANUP(shear_catalog_release) shear_catalog *c = NULL;
     *catalog = NULL;
     int rc = sf_catalog_new(&c, path, info, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_output_create(&c->out, path, overwrite, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_catalog_create_table(c, info, NULL, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
 }
@@ -148,9 +141,8 @@ static int reserve(shear_catalog *c, int count, shear_error *err) {
 static void write_ids(shear_catalog *c, int64_t first, int count, const int64_t *ids, int *status) {
     LONGLONG *stored = (LONGLONG *)(void *)c->values;
     const uint64_t sign = c->id_unsigned ? UINT64_C(1) << 63 : 0;
-    for (int k = 0; k < count; k++) {
+    for (int k = 0; k < count; k++)
         stored[k] = (LONGLONG)((uint64_t)ids[k] ^ sign);
-    }
     fits_set_tscale(c->out.fits, 1, 1.0, 0.0, status);
     fits_write_col(c->out.fits, TLONGLONG, 1, first + 1, 1, count, stored, status);
 }
@@ -161,9 +153,8 @@ static int write_copied(shear_catalog *c, int64_t first, int count, const shear_
     const double *const doubles[SF_CATALOG_COPIED] = {NULL, b->x, b->y, b->ra, b->dec};
     int column = 0;
     for (int i = 0; i < SF_CATALOG_COPIED; i++) {
-        if ((c->columns & sf_catalog_copied[i]) == 0) {
+        if ((c->columns & sf_catalog_copied[i]) == 0)
             continue;
-        }
         column++;
         if (sf_catalog_copied[i] == SHEAR_COL_ID) {
             write_ids(c, first, count, b->id, status);
@@ -179,14 +170,12 @@ static void write_members(shear_catalog *c, int64_t first, int count, const shea
                           int column, int *status) {
     for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
         const size_t offset = sf_catalog_members[i].offset;
-        for (int k = 0; k < count; k++) {
+        for (int k = 0; k < count; k++)
             memcpy(&c->values[k], (const char *)&rows[k] + offset, sizeof(double));
-        }
         fits_write_col(c->out.fits, TDOUBLE, ++column, first + 1, 1, count, c->values, status);
     }
-    for (int k = 0; k < count; k++) {
+    for (int k = 0; k < count; k++)
         c->flags[k] = (int32_t)rows[k].flags;
-    }
     fits_write_col(c->out.fits, TINT, ++column, first + 1, 1, count, c->flags, status);
     for (int i = 0; i < SF_CATALOG_PLACES; i++) {
         for (int k = 0; k < count; k++) {
@@ -206,16 +195,14 @@ int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_
                        (long long)first, (long long)c->n);
     }
     int rc = reserve(c, count, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     int status = 0;
     const int column = write_copied(c, first, count, block, &status);
     write_members(c, first, count, rows, column, &status);
     rc = check(c, status, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     sf_bitset_add(&c->written, first, count);
     return SHEAR_OK;
 }
@@ -249,9 +236,8 @@ int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_r
 }
 
 void shear_catalog_abort(shear_catalog *c) {
-    if (c == NULL) {
+    if (c == NULL)
         return;
-    }
     sf_output_discard(&c->out);
     sf_bitset_deinit(&c->written);
     free(c->values);

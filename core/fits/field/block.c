@@ -27,16 +27,13 @@ static void place_columns(shear_block *b, unsigned columns, char *base, size_t *
                    {SHEAR_COL_RA, &b->ra},         {SHEAR_COL_DEC, &b->dec},
                    {SHEAR_COL_WEIGHT, &b->weight}, {SHEAR_COL_R_GAL, &b->r_gal}};
     for (size_t i = 0; i < sizeof doubles / sizeof doubles[0]; i++) {
-        if ((columns & doubles[i].column) != 0) {
+        if ((columns & doubles[i].column) != 0)
             *doubles[i].array = place(base, at, n * sizeof(double));
-        }
     }
-    if ((columns & SHEAR_COL_ID) != 0) {
+    if ((columns & SHEAR_COL_ID) != 0)
         b->id = place(base, at, n * sizeof *b->id);
-    }
-    if ((columns & SHEAR_COL_FLAGS) != 0) {
+    if ((columns & SHEAR_COL_FLAGS) != 0)
         b->mask = place(base, at, n * sizeof *b->mask);
-    }
 }
 
 /* Sides are at most 4096, noise stamps at most 64 a galaxy and a capacity is an int, so that no

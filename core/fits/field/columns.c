@@ -23,9 +23,8 @@ static int check_table(const sf_hdu *hdu, sf_place at, int64_t rows, shear_error
         return sf_fail(err, SHEAR_E_FORMAT, at, "unpack the file with funpack",
                        "compressed tables are not read");
     }
-    if (hdu->kind != SF_TABLE || hdu->naxis != 2) {
+    if (hdu->kind != SF_TABLE || hdu->naxis != 2)
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "must be a binary table (BINTABLE)");
-    }
     if (hdu->axes[1] != rows) {
         return sf_fail(err, SHEAR_E_FORMAT, at, "give it one row a stamp, in stamp order",
                        "it has %lld rows, but there are %lld galaxy stamps",
@@ -36,18 +35,15 @@ static int check_table(const sf_hdu *hdu, sf_place at, int64_t rows, shear_error
 
 int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_error *err) {
     *c = (sf_columns){0};
-    if (part->hdu == NULL) {
+    if (part->hdu == NULL)
         return SHEAR_OK;
-    }
     const sf_place at = {part->file->source.name, part->label};
     int rc = check_table(part->hdu, at, rows, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_cards_init(&c->cards, part->file, part->hdu, part->label, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_table_init(&c->table, part->file, part->hdu, &c->cards, err);
     for (int i = 0; rc == SHEAR_OK && i < SF_COLUMNS; i++) {
         rc = sf_table_find_number(&c->table, sf_column_defs[i].name, &c->column[i], err);
@@ -80,9 +76,8 @@ int sf_columns_read_int64(sf_columns *c, unsigned bit, int64_t first, int64_t co
 
 int sf_columns_read_int32(sf_columns *c, unsigned bit, int64_t first, int64_t count,
                           int32_t undefined, int32_t *out, shear_error *err) {
-    if (!ARRAY_RESERVE_EXACT(c->scratch, c->capacity, (size_t)count)) {
+    if (!ARRAY_RESERVE_EXACT(c->scratch, c->capacity, (size_t)count))
         return sf_fail_memory(err, c->cards.at);
-    }
     const int rc = sf_columns_read_int64(c, bit, first, count, undefined, c->scratch, err);
     for (int64_t i = 0; rc == SHEAR_OK && i < count; i++) {
         const int64_t v = c->scratch[i];

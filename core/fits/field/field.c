@@ -52,30 +52,25 @@ static int open_primary(shear_field *f, shear_error *err) {
 
 static int open_stamps(shear_field *f, shear_error *err) {
     int rc = sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err);
     return rc != SHEAR_OK ? rc : check_noise(f, err);
 }
 
 static int open_field(shear_field *f, const shear_input *input, const int *fds, shear_error *err) {
     int rc = sf_parts_init(&f->parts, input, fds, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = open_primary(f, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = open_stamps(f, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     fill_info(f);
     return sf_field_open_psf(f, err);
 }
@@ -84,13 +79,11 @@ int shear_field_open_input(shear_field **field, const shear_input *input, const 
                            shear_error *err) {
     *field = NULL;
     CLEANUP(shear_field_release) shear_field *f = calloc(1, sizeof *f);
-    if (f == NULL) {
+    if (f == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field");
-    }
     const int rc = open_field(f, input, fds, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     *field = CLEANUP_TAKE(f);
     return SHEAR_OK;
 }
@@ -106,9 +99,8 @@ int shear_field_open_fd(shear_field **field, int fd, const char *name, shear_err
 }
 
 void shear_field_close(shear_field *field) {
-    if (field == NULL) {
+    if (field == NULL)
         return;
-    }
     sf_columns_deinit(&field->catalog);
     sf_image_deinit(&field->psf);
     sf_stamps_deinit(&field->noise);

@@ -12,9 +12,8 @@
 /* The name as given, without blanks around it: those behind it mean nothing in FITS. */
 static char *trim(char *text) {
     text += strspn(text, " ");
-    for (size_t n = strlen(text); n > 0 && text[n - 1] == ' '; n--) {
+    for (size_t n = strlen(text); n > 0 && text[n - 1] == ' '; n--)
         text[n - 1] = '\0';
-    }
     return text;
 }
 
@@ -22,9 +21,8 @@ static int read_name(shear_field *f, const sf_cards *primary, shear_error *err) 
     const sf_file *galaxy = f->parts.of[SHEAR_PART_GALAXY].file;
     CLEANUP(release_free) char *text = NULL;
     const int rc = sf_key_string(primary, "FIELD", &text, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     const char *given = text == NULL ? "" : trim(text);
     if (given[0] != '\0') {
         return sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, primary->at, "keyword FIELD",
@@ -44,9 +42,8 @@ static int read_pixscale(shear_field *f, const sf_cards *primary, shear_error *e
     bool found = false;
     f->info.pixscale = NAN;
     const int rc = sf_key_double(primary, "PIXSCALE", &f->info.pixscale, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     if (found && f->info.pixscale <= 0.0) {
         return sf_fail(err, SHEAR_E_FORMAT, primary->at, "give arcseconds per pixel",
                        "keyword PIXSCALE is %g, but must be positive", f->info.pixscale);
@@ -58,9 +55,8 @@ static int read_shear(const sf_cards *primary, const char *key, double *g, bool 
                       shear_error *err) {
     *g = NAN;
     const int rc = sf_key_double(primary, key, g, found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     if (*found && fabs(*g) >= 1.0) {
         return sf_fail(err, SHEAR_E_FORMAT, primary->at, NULL,
                        "keyword %s is %g, but a shear lies between -1 and 1", key, *g);
@@ -72,26 +68,22 @@ int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err
     bool has_g1 = false;
     bool has_g2 = false;
     int rc = read_name(f, primary, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = read_pixscale(f, primary, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = read_shear(primary, "SIM_G1", &f->info.sim_g1, &has_g1, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = read_shear(primary, "SIM_G2", &f->info.sim_g2, &has_g2, err);
     f->info.has_truth = has_g1 && has_g2;
     return rc;
 }
 
 int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err) {
-    if (info->name[0] != '\0') {
+    if (info->name[0] != '\0')
         return SHEAR_OK;
-    }
     char shown[161];
     char base[256];
     char unused[sizeof info->name];

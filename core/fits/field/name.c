@@ -30,9 +30,8 @@ int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, co
 }
 
 static void strip(char *name, const char *ending) {
-    if (text_ends_with(name, ending) && strlen(name) > strlen(ending)) {
+    if (text_ends_with(name, ending) && strlen(name) > strlen(ending))
         name[strlen(name) - strlen(ending)] = '\0';
-    }
 }
 
 void sf_field_name_default(char *out, size_t size, const char *base) {

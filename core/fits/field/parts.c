@@ -14,9 +14,8 @@ static const char *const extnames[SHEAR_N_PARTS] = {"GALAXY", "NOISE", "PSF", "C
  * harm: then the file is the one that was opened. */
 static int find_file(const sf_parts *p, const struct stat *st) {
     for (int i = 0; i < p->n_files; i++) {
-        if (p->stats[i].st_dev == st->st_dev && p->stats[i].st_ino == st->st_ino) {
+        if (p->stats[i].st_dev == st->st_dev && p->stats[i].st_ino == st->st_ino)
             return i;
-        }
     }
     return -1;
 }
@@ -40,9 +39,8 @@ static int open_file(sf_parts *p, const char *path, int fd, const sf_file **file
 /* ---- HDUs ---- */
 
 static bool holds(const sf_hdu *hdu, int part) {
-    if (part == SHEAR_PART_CATALOG) {
+    if (part == SHEAR_PART_CATALOG)
         return hdu->kind == SF_TABLE && !hdu->zimage;
-    }
     return hdu->kind == SF_TABLE ? hdu->zimage : hdu->kind == SF_IMAGE && hdu->naxis > 0;
 }
 
@@ -59,13 +57,11 @@ static int find_number(const sf_hdu_index *s, int64_t number, const sf_hdu **hdu
 
 static int find_default(const sf_hdu_index *s, int part, const sf_hdu **hdu, shear_error *err) {
     const int rc = sf_hdu_index_find(s, extnames[part], false, hdu, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     for (int i = 0; *hdu == NULL && i < s->count; i++) {
-        if (holds(&s->hdus[i], part)) {
+        if (holds(&s->hdus[i], part))
             *hdu = &s->hdus[i];
-        }
     }
     return *hdu != NULL ? SHEAR_OK
                         : sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL}, NULL,
@@ -84,17 +80,15 @@ static void label(sf_part *part) {
 
 static int find_wanted(const sf_hdu_index *s, int i, const shear_input_part *wanted,
                        const sf_hdu **hdu, shear_error *err) {
-    if (wanted->extname != NULL) {
+    if (wanted->extname != NULL)
         return sf_hdu_index_find(s, wanted->extname, true, hdu, err);
-    }
     return wanted->hdu >= 0 ? find_number(s, wanted->hdu, hdu, err) : find_default(s, i, hdu, err);
 }
 
 static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_error *err) {
     const int rc = find_wanted(&p->of[i].file->index, i, wanted, &p->of[i].hdu, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     label(&p->of[i]);
     return SHEAR_OK;
 }
@@ -130,9 +124,8 @@ static int check_distinct(const sf_parts *p, shear_error *err) {
 static int init_whole(sf_parts *p, const char *path, int fd, shear_error *err) {
     const sf_file *file = NULL;
     int rc = open_file(p, path, fd, &file, err);
-    for (int i = 0; i < SHEAR_N_PARTS && rc == SHEAR_OK; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS && rc == SHEAR_OK; i++)
         rc = choose_by_name(p, i, file, err);
-    }
     return rc;
 }
 
@@ -152,20 +145,17 @@ static int init_part(sf_parts *p, int i, const shear_input_part *wanted, int fd,
 
 int sf_parts_init(sf_parts *p, const shear_input *input, const int *fds, shear_error *err) {
     *p = (sf_parts){0};
-    if (input->path != NULL) {
+    if (input->path != NULL)
         return init_whole(p, input->path, fds != NULL ? fds[0] : -1, err);
-    }
     int rc = SHEAR_OK;
-    for (int i = 0; i < SHEAR_N_PARTS && rc == SHEAR_OK; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS && rc == SHEAR_OK; i++)
         rc = init_part(p, i, &input->parts[i], fds != NULL ? fds[i] : -1, err);
-    }
     return rc == SHEAR_OK ? check_distinct(p, err) : rc;
 }
 
 void sf_parts_deinit(sf_parts *p) {
-    for (int i = 0; i < p->n_files; i++) {
+    for (int i = 0; i < p->n_files; i++)
         sf_file_close(&p->files[i]);
-    }
     p->n_files = 0;
 }
 

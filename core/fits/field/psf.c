@@ -31,12 +31,10 @@ static int read_oversampling(shear_field *f, shear_error *err) {
     int64_t oversample = 1;
     bool found = false;
     int rc = sf_key_int(&f->psf.cards, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, &oversample, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (!found) {
+    if (!found)
         rc = read_primary(f->parts.of[SHEAR_PART_PSF].file, &oversample, err);
-    }
     f->info.geometry.psf_oversample = (int)oversample;
     return rc;
 }
@@ -66,17 +64,14 @@ static int assign(shear_field *f, shear_error *err) {
 int sf_field_open_psf(shear_field *f, shear_error *err) {
     const sf_part *part = &f->parts.of[SHEAR_PART_PSF];
     int rc = sf_part_require(part, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_image_init(&f->psf, part->file, part->hdu, part->label, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = check_sides(f, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = assign(f, err);
     return rc != SHEAR_OK ? rc : read_oversampling(f, err);
 }

@@ -31,9 +31,8 @@ static int locate_psf(shear_field *f, int64_t id, shear_block *block, int32_t *i
                       shear_error *err) {
     shear_stamps *stamps = &block->stamps;
     *index = -1;
-    if (id < 0 || id >= f->info.n_psf) {
+    if (id < 0 || id >= f->info.n_psf)
         return SHEAR_OK;
-    }
     for (int k = stamps->n_psf - 1; k >= 0; k--) { /* neighbours mostly share theirs */
         if (block->psf_id[k] == id) {
             *index = k;
@@ -51,9 +50,8 @@ static int read_psf_by_id(shear_field *f, int64_t first, int count, shear_block 
     block->stamps.n_psf = 0;
     int rc = sf_columns_read_int32(&f->catalog, SHEAR_COL_PSF_ID, first, count, -1,
                                    block->psf_index, err);
-    for (int i = 0; rc == SHEAR_OK && i < count; i++) {
+    for (int i = 0; rc == SHEAR_OK && i < count; i++)
         rc = locate_psf(f, block->psf_index[i], block, &block->psf_index[i], err);
-    }
     return rc;
 }
 
@@ -84,20 +82,17 @@ static int read_catalog(shear_field *f, int64_t first, int count, shear_block *b
             (f->info.columns & bit) == 0
                 ? SHEAR_OK
                 : sf_columns_read_double(&f->catalog, bit, first, count, doubles[i].out, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
     if ((f->info.columns & SHEAR_COL_ID) != 0) {
         const int rc =
             sf_columns_read_int64(&f->catalog, SHEAR_COL_ID, first, count, -1, block->id, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
-    if ((f->info.columns & SHEAR_COL_FLAGS) == 0) {
+    if ((f->info.columns & SHEAR_COL_FLAGS) == 0)
         return SHEAR_OK;
-    }
     /* An undefined flag says nothing good of its stamp: it is left out. */
     return sf_columns_read_int32(&f->catalog, SHEAR_COL_FLAGS, first, count, 1, block->mask, err);
 }
@@ -106,21 +101,17 @@ int shear_field_read(shear_field *field, int64_t first, int count, shear_block *
                      shear_error *err) {
     const int64_t planes = field->info.noise_planes;
     int rc = check_range(field, first, count, block, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_stamps_read(&field->galaxy, first, count, block->galaxy, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_stamps_read(&field->noise, planes * first, planes * count, block->noise, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = read_psf(field, first, count, block, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     block->stamps.first = first;
     block->stamps.count = count;
     return read_catalog(field, first, count, block, err);

@@ -40,9 +40,8 @@ static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err)
         {s->bitpix == -32 || s->bitpix == -64, "BITPIX must be -32 or -64"},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
-        if (!rules[i].kept) {
+        if (!rules[i].kept)
             return bad(at, rules[i].what, err);
-        }
     }
     return SHEAR_OK;
 }
@@ -52,15 +51,12 @@ int sf_field_spec_check(const shear_field_spec *s, const char *file, shear_error
     if (s->name != NULL) {
         char copy[72];
         const int rc = sf_field_name_copy(copy, s->name, SHEAR_E_SETTING, at, "as given", err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
-    if (!isnan(s->pixscale) && !(s->pixscale > 0.0 && isfinite(s->pixscale))) {
+    if (!isnan(s->pixscale) && !(s->pixscale > 0.0 && isfinite(s->pixscale)))
         return bad(at, "the pixel scale must be positive", err);
-    }
-    if (s->has_truth && !(fabs(s->sim_g1) < 1.0 && fabs(s->sim_g2) < 1.0)) {
+    if (s->has_truth && !(fabs(s->sim_g1) < 1.0 && fabs(s->sim_g2) < 1.0))
         return bad(at, "the true shear must lie between -1 and 1", err);
-    }
     return check_sizes(s, at, err);
 }

@@ -55,22 +55,19 @@ static int lay_out(sf_stamps *s, shear_error *err) {
     bool has_nx = false;
     bool has_ny = false;
     int rc = sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, &nx, &has_nx, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, &has_ny, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     if (has_nx != has_ny) {
         return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, "give both, or neither",
                        "it has the keyword %s without %s", has_nx ? "STAMPNX" : "STAMPNY",
                        has_nx ? "STAMPNY" : "STAMPNX");
     }
     rc = check_sides(s, nx, ny, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     s->nx = (int)nx;
     s->ny = (int)ny;
     return image->naxis == 2 && has_nx ? lay_out_mosaic(s, nx, ny, err)
@@ -80,9 +77,8 @@ static int lay_out(sf_stamps *s, shear_error *err) {
 int sf_stamps_init(sf_stamps *s, const sf_part *part, shear_error *err) {
     *s = (sf_stamps){0};
     int rc = sf_part_require(part, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_image_init(&s->image, part->file, part->hdu, part->label, err);
     return rc != SHEAR_OK ? rc : lay_out(s, err);
 }
@@ -99,9 +95,8 @@ static int read_run(sf_stamps *s, int64_t first, int64_t count, double *out, she
     const int64_t row = s->nx * count;
     const int64_t low[SF_AXES] = {first % s->columns * s->nx, first / s->columns * s->ny, 0};
     const int64_t size[SF_AXES] = {row, s->ny, 1};
-    if (!ARRAY_RESERVE_EXACT(s->scratch, s->capacity, (size_t)(row * s->ny))) {
+    if (!ARRAY_RESERVE_EXACT(s->scratch, s->capacity, (size_t)(row * s->ny)))
         return sf_fail_memory(err, s->image.cards.at);
-    }
     const int rc = sf_image_read(&s->image, low, size, s->scratch, err);
     for (int64_t i = 0; rc == SHEAR_OK && i < count; i++) {
         for (int64_t y = 0; y < s->ny; y++) {

@@ -31,17 +31,15 @@ static int write_primary(shear_field_writer *w, const shear_field_spec *spec, sh
     fitsfile *f = w->out.fits;
     int status = 0;
     fits_create_img(f, BYTE_IMG, 0, NULL, &status);
-    if (spec->name != NULL) {
+    if (spec->name != NULL)
         fits_write_key_longstr(f, "FIELD", spec->name, "name of the field", &status);
-    }
     sf_key_write_double(f, "PIXSCALE", spec->pixscale, "[arcsec] per pixel", &status);
     if (spec->has_truth) {
         sf_key_write_double(f, "SIM_G1", spec->sim_g1, "true shear of the mock", &status);
         sf_key_write_double(f, "SIM_G2", spec->sim_g2, "true shear of the mock", &status);
     }
-    for (const char *const *line = spec->history; line != NULL && *line != NULL; line++) {
+    for (const char *const *line = spec->history; line != NULL && *line != NULL; line++)
         fits_write_history(f, *line, &status);
-    }
     return result(w, "primary", status, err);
 }
 
@@ -61,9 +59,8 @@ static void create_mosaic(fitsfile *f, const shear_field_spec *s, int64_t n, int
     fits_create_img(f, s->bitpix, 2, axes, status);
     fits_write_key_lng(f, "STAMPNX", s->geometry.nx, "pixels of a stamp along x", status);
     fits_write_key_lng(f, "STAMPNY", s->geometry.ny, "pixels of a stamp along y", status);
-    if (rows * columns != n) {
+    if (rows * columns != n)
         fits_write_key_lng(f, "NSTAMP", n, "stamps; the last row is not full", status);
-    }
 }
 
 static int create_stamps(shear_field_writer *w, const char *name, const char *comment, int64_t n,
@@ -102,9 +99,8 @@ static int create_catalog(shear_field_writer *w, shear_error *err) {
             w->column_number[i] = ++n;
         }
     }
-    if (n == 0) {
+    if (n == 0)
         return SHEAR_OK;
-    }
     int status = 0;
     fits_create_tbl(w->out.fits, BINARY_TBL, w->spec.n_stamps, n, names, forms, units, "CATALOG",
                     &status);
@@ -113,17 +109,14 @@ static int create_catalog(shear_field_writer *w, shear_error *err) {
 
 static int create_hdus(shear_field_writer *w, const shear_field_spec *spec, shear_error *err) {
     int rc = write_primary(w, spec, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = create_psf(w, err);
     return rc != SHEAR_OK ? rc : create_catalog(w, err);
 }
@@ -135,9 +128,8 @@ static int begin(shear_field_writer *w, const char *path, const shear_field_spec
     w->spec.history = NULL;
     w->columns = spec->mosaic_columns > 0 ? spec->mosaic_columns
                                           : (int64_t)ceil(sqrt((double)spec->n_stamps));
-    if (!sf_bitset_init(&w->stamps, spec->n_stamps) || !sf_bitset_init(&w->psfs, spec->n_psf)) {
+    if (!sf_bitset_init(&w->stamps, spec->n_stamps) || !sf_bitset_init(&w->psfs, spec->n_psf))
         return sf_fail_memory(err, (sf_place){path, NULL});
-    }
     const int rc = sf_output_create(&w->out, path, spec->overwrite, err);
     return rc != SHEAR_OK ? rc : create_hdus(w, spec, err);
 }
@@ -148,18 +140,15 @@ int shear_field_create(shear_field_writer **writer, const char *path, const shea
                        shear_error *err) {
     *writer = NULL;
     int rc = sf_field_spec_check(spec, path, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     CLEANUP(shear_field_writer_release) shear_field_writer *w = calloc(1, sizeof *w);
-    if (w == NULL) {
+    if (w == NULL)
         return sf_fail_memory(err, (sf_place){path, NULL});
-    }
     w->out.directory = -1;
     rc = begin(w, path, spec, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     *writer = CLEANUP_TAKE(w);
     return SHEAR_OK;
 }
@@ -207,9 +196,8 @@ static int write_catalog(shear_field_writer *w, int64_t first, int count,
     int status = 0;
     fits_movabs_hdu(w->out.fits, HDU_CATALOG, NULL, &status);
     for (int i = 0; i < SF_COLUMNS; i++) {
-        if (w->column_number[i] == 0) {
+        if (w->column_number[i] == 0)
             continue;
-        }
         if (given[i].values == NULL) {
             return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){w->out.name, "CATALOG"}, NULL,
                            "no values were given for column %s", sf_column_defs[i].name);
@@ -230,18 +218,15 @@ int shear_field_write(shear_field_writer *w, int64_t first, int count, const dou
     }
     const int64_t planes = noise_planes(&w->spec);
     int rc = write_stamps(w, HDU_GALAXY, first, count, galaxy, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = write_stamps(w, HDU_NOISE, planes * first, planes * count, noise, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     if (w->spec.columns != 0) {
         rc = write_catalog(w, first, count, columns != NULL ? columns : &none, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
     sf_bitset_add(&w->stamps, first, count);
     return SHEAR_OK;
@@ -258,18 +243,16 @@ int shear_field_write_psf(shear_field_writer *w, int64_t index, const double *ps
     int status = 0;
     fits_movabs_hdu(w->out.fits, HDU_PSF, NULL, &status);
     fits_write_img(w->out.fits, TDOUBLE, index * samples + 1, samples, (double *)psf, &status);
-    if (status == 0) {
+    if (status == 0)
         sf_bitset_add(&w->psfs, index, 1);
-    }
     return result(w, "PSF", status, err);
 }
 
 static int check_complete(const shear_field_writer *w, shear_error *err) {
     const int64_t stamp = sf_bitset_first_gap(&w->stamps);
     const int64_t psf = sf_bitset_first_gap(&w->psfs);
-    if (stamp < 0 && psf < 0) {
+    if (stamp < 0 && psf < 0)
         return SHEAR_OK;
-    }
     return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){w->out.name, NULL}, NULL,
                    "%s %lld was never written", stamp >= 0 ? "stamp" : "PSF image",
                    (long long)(stamp >= 0 ? stamp : psf));
@@ -283,9 +266,8 @@ int shear_field_finish(shear_field_writer *w, shear_error *err) {
 }
 
 void shear_field_abort(shear_field_writer *w) {
-    if (w == NULL) {
+    if (w == NULL)
         return;
-    }
     sf_output_discard(&w->out);
     sf_bitset_deinit(&w->stamps);
     sf_bitset_deinit(&w->psfs);

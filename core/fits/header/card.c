@@ -9,23 +9,20 @@ enum { VALUE = 10 }; /* first column of the value */
 
 void sf_card_key(const char card[SF_CARD], char key[SF_KEY + 1]) {
     int n = SF_KEY;
-    while (n > 0 && card[n - 1] == ' ') {
+    while (n > 0 && card[n - 1] == ' ')
         n--;
-    }
     memcpy(key, card, (size_t)n);
     key[n] = '\0';
 }
 
 int sf_card_index(const char *key, const char *root) {
     const size_t length = strlen(root);
-    if (strncmp(key, root, length) != 0 || key[length] < '1' || key[length] > '9') {
+    if (strncmp(key, root, length) != 0 || key[length] < '1' || key[length] > '9')
         return 0;
-    }
     int index = 0;
     for (const char *c = key + length; *c != '\0'; c++) {
-        if (*c < '0' || *c > '9') {
+        if (*c < '0' || *c > '9')
             return 0;
-        }
         index = 10 * index + (*c - '0'); /* at most 7 digits */
     }
     return index;
@@ -33,30 +30,26 @@ int sf_card_index(const char *key, const char *root) {
 
 /* First column of the value that is not blank, or SF_CARD. */
 static int value_start(const char card[SF_CARD]) {
-    if (card[SF_KEY] != '=' || card[SF_KEY + 1] != ' ') {
+    if (card[SF_KEY] != '=' || card[SF_KEY + 1] != ' ')
         return SF_CARD;
-    }
     int i = VALUE;
-    while (i < SF_CARD && card[i] == ' ') {
+    while (i < SF_CARD && card[i] == ' ')
         i++;
-    }
     return i;
 }
 
 /* True where only blanks are left before the comment. */
 static bool value_ends(const char card[SF_CARD], int i) {
-    while (i < SF_CARD && card[i] == ' ') {
+    while (i < SF_CARD && card[i] == ' ')
         i++;
-    }
     return i == SF_CARD || card[i] == '/';
 }
 
 bool sf_card_int(const char card[SF_CARD], int64_t *out) {
     int i = value_start(card);
     const bool negative = i < SF_CARD && card[i] == '-';
-    if (i < SF_CARD && (card[i] == '-' || card[i] == '+')) {
+    if (i < SF_CARD && (card[i] == '-' || card[i] == '+'))
         i++;
-    }
     int digits = 0;
     int64_t value = 0;
     for (; i < SF_CARD && card[i] >= '0' && card[i] <= '9'; i++, digits++) {
@@ -71,9 +64,8 @@ bool sf_card_int(const char card[SF_CARD], int64_t *out) {
 
 bool sf_card_logical(const char card[SF_CARD], bool *out) {
     const int i = value_start(card);
-    if (i == SF_CARD || (card[i] != 'T' && card[i] != 'F')) {
+    if (i == SF_CARD || (card[i] != 'T' && card[i] != 'F'))
         return false;
-    }
     *out = card[i] == 'T';
     return value_ends(card, i + 1);
 }
@@ -86,9 +78,8 @@ bool sf_card_double(const char card[SF_CARD], double *out) {
          i < SF_CARD && card[i] != '\0' && strchr("+-.0123456789EeDd", card[i]) != NULL; i++) {
         const bool fortran = card[i] == 'D' || card[i] == 'd';
         text[n] = 'E';
-        if (!fortran) {
+        if (!fortran)
             text[n] = card[i];
-        }
         n++;
     }
     text[n] = '\0';
@@ -105,32 +96,27 @@ bool sf_card_has_value(const char card[SF_CARD]) {
 
 void sf_card_token(const char card[SF_CARD], char out[SF_CARD + 1]) {
     int n = 0;
-    for (int i = value_start(card); i < SF_CARD && card[i] != '/'; i++) {
+    for (int i = value_start(card); i < SF_CARD && card[i] != '/'; i++)
         out[n++] = card[i];
-    }
-    while (n > 0 && out[n - 1] == ' ') {
+    while (n > 0 && out[n - 1] == ' ')
         n--;
-    }
     out[n] = '\0';
 }
 
 bool sf_card_string(const char card[SF_CARD], char *out, size_t size) {
     int i = value_start(card);
-    if (i == SF_CARD || card[i] != '\'') {
+    if (i == SF_CARD || card[i] != '\'')
         return false;
-    }
     size_t n = 0;
     for (i++; i < SF_CARD; i++) {
         if (card[i] == '\'' && (i + 1 == SF_CARD || card[++i] != '\'')) {
             break; /* two quotes stand for one */
         }
-        if (n + 1 < size) {
+        if (n + 1 < size)
             out[n++] = card[i];
-        }
     }
-    while (n > 0 && out[n - 1] == ' ') {
+    while (n > 0 && out[n - 1] == ' ')
         n--;
-    }
     out[n] = '\0';
     return true;
 }

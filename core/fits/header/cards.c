@@ -16,9 +16,8 @@ static int64_t count_cards(const char *text, int64_t bytes) {
     char key[SF_KEY + 1];
     while ((n + 1) * SF_CARD <= bytes) {
         sf_card_key(text + n * SF_CARD, key);
-        if (strcmp(key, "END") == 0) {
+        if (strcmp(key, "END") == 0)
             break;
-        }
         n++;
     }
     return n;
@@ -28,9 +27,8 @@ static int read_text(char *text, const sf_file *file, const sf_hdu *hdu, sf_plac
                      shear_error *err) {
     const ssize_t n =
         io_read_at(file->source.fd, text, (size_t)hdu->header_bytes, (off_t)hdu->header_offset);
-    if (n < 0) {
+    if (n < 0)
         return sf_fail_errno(err, at, errno, "its header cannot be read");
-    }
     return XXH3_64bits(text, (size_t)hdu->header_bytes) == hdu->header_hash
                ? SHEAR_OK
                : sf_fail(err, SHEAR_E_FORMAT, at, "leave a file alone while it is read",
@@ -41,9 +39,8 @@ int sf_cards_init(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const cha
                   shear_error *err) {
     *c = (sf_cards){.at = {file->source.name, label}};
     c->text = calloc(1, (size_t)hdu->header_bytes);
-    if (c->text == NULL) {
+    if (c->text == NULL)
         return sf_fail_memory(err, c->at);
-    }
     const int rc = read_text(c->text, file, hdu, c->at, err);
     c->count = rc == SHEAR_OK ? count_cards(c->text, hdu->header_bytes) : 0;
     return rc;
@@ -61,9 +58,8 @@ int sf_cards_find(const sf_cards *c, const char *key, const char **card, shear_e
     *card = NULL;
     for (int64_t i = 0; i < c->count; i++) {
         const char *here = c->text + i * SF_CARD;
-        if (memcmp(here, padded, SF_KEY) != 0 || !sf_card_has_value(here)) {
+        if (memcmp(here, padded, SF_KEY) != 0 || !sf_card_has_value(here))
             continue;
-        }
         if (*card != NULL) {
             return sf_fail(err, SHEAR_E_FORMAT, c->at, "leave one of them out",
                            "keyword %s is given twice", key);
@@ -78,9 +74,8 @@ int sf_key_double(const sf_cards *c, const char *key, double *value, bool *found
     const char *card = NULL;
     const int rc = sf_cards_find(c, key, &card, err);
     *found = card != NULL && rc == SHEAR_OK;
-    if (!*found) {
+    if (!*found)
         return rc;
-    }
     double v = NAN;
     if (!sf_card_double(card, &v)) {
         return sf_fail(err, SHEAR_E_FORMAT, c->at, "correct the keyword, or leave it out",
@@ -93,12 +88,10 @@ int sf_key_double(const sf_cards *c, const char *key, double *value, bool *found
 /* An integer may be written 2.0 or 2E0. */
 static bool whole(const char *card, int64_t *out) {
     double v = 0.0;
-    if (sf_card_int(card, out)) {
+    if (sf_card_int(card, out))
         return true;
-    }
-    if (!sf_card_double(card, &v) || v != floor(v) || fabs(v) >= 0x1p63) {
+    if (!sf_card_double(card, &v) || v != floor(v) || fabs(v) >= 0x1p63)
         return false;
-    }
     *out = (int64_t)v;
     return true;
 }
@@ -108,9 +101,8 @@ int sf_key_int(const sf_cards *c, const char *key, int64_t min, int64_t max, int
     const char *card = NULL;
     const int rc = sf_cards_find(c, key, &card, err);
     *found = card != NULL && rc == SHEAR_OK;
-    if (!*found) {
+    if (!*found)
         return rc;
-    }
     int64_t v = 0;
     if (!whole(card, &v) || v < min || v > max) {
         char text[SF_CARD + 1];
@@ -145,9 +137,8 @@ static void append_continued(const sf_cards *c, const char *card, char *out) {
         char next[SF_CARD];
         memcpy(next, card, sizeof next);
         memcpy(next, "CONTINUE= ", SF_KEY + 2); /* its string stands where a value does */
-        if (!sf_card_string(next, out + n - 1, SF_CARD)) {
+        if (!sf_card_string(next, out + n - 1, SF_CARD))
             break;
-        }
         n = strlen(out);
     }
 }
@@ -156,17 +147,14 @@ int sf_key_string(const sf_cards *c, const char *key, char **text, shear_error *
     const char *card = NULL;
     *text = NULL;
     const int rc = sf_cards_find(c, key, &card, err);
-    if (rc != SHEAR_OK || card == NULL) {
+    if (rc != SHEAR_OK || card == NULL)
         return rc;
-    }
     size_t capacity = 1;
-    for (const char *k = card; k == card || continues(c, k); k += SF_CARD) {
+    for (const char *k = card; k == card || continues(c, k); k += SF_CARD)
         capacity += SF_CARD;
-    }
     char *out = calloc(1, capacity);
-    if (out == NULL) {
+    if (out == NULL)
         return sf_fail_memory(err, c->at);
-    }
     if (sf_card_string(card, out, SF_CARD)) {
         append_continued(c, card, out);
     } else {

@@ -33,15 +33,13 @@ static int read_block(reader *r, int64_t offset, const char **block, shear_error
     *block = NULL;
     if (offset < r->start || offset + SF_BLOCK_BYTES > r->start + r->held) {
         const ssize_t n = pread(r->fd, r->buffer, sizeof r->buffer, (off_t)offset);
-        if (n < 0) {
+        if (n < 0)
             return sf_fail_errno(err, (sf_place){r->file, NULL}, errno, "cannot be read");
-        }
         r->start = offset;
         r->held = n;
     }
-    if (offset + SF_BLOCK_BYTES <= r->start + r->held) {
+    if (offset + SF_BLOCK_BYTES <= r->start + r->held)
         *block = r->buffer + (offset - r->start);
-    }
     return SHEAR_OK;
 }
 
@@ -73,9 +71,8 @@ static int parse_block(sf_header *h, const char *block, bool *ended, const char 
             break;
         }
         const int rc = sf_header_card(h, block + i, file, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
     return SHEAR_OK;
 }
@@ -90,21 +87,17 @@ static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *has
     for (int blocks = 0; !ended; blocks++) {
         const char *block = NULL;
         int rc = read_block(r, *end, &block, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
         *end += SF_BLOCK_BYTES;
-        if (block == NULL) {
+        if (block == NULL)
             return truncated(r, h, "header (no END card so far)", *end, err);
-        }
-        if (blocks == MAX_HEADER_BLOCKS) {
+        if (blocks == MAX_HEADER_BLOCKS)
             return endless(r, h, err);
-        }
         XXH3_64bits_update(hash, block, SF_BLOCK_BYTES);
         rc = parse_block(h, block, &ended, r->file, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
     h->hdu.header_offset = offset;
     h->hdu.header_bytes = *end - offset;
@@ -116,17 +109,14 @@ static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *has
 static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shear_error *err) {
     sf_hdu *hdu = &h->hdu;
     int rc = read_cards(r, h, offset, r->hash, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_header_end(h, r->file, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     const int64_t padded = (hdu->data_bytes + SF_BLOCK_BYTES - 1) / SF_BLOCK_BYTES * SF_BLOCK_BYTES;
-    if (__builtin_add_overflow(hdu->data_offset, padded, next)) {
+    if (__builtin_add_overflow(hdu->data_offset, padded, next))
         *next = INT64_MAX;
-    }
     return *next <= r->size ? SHEAR_OK : truncated(r, h, "data", *next, err);
 }
 
@@ -135,18 +125,16 @@ static int append(sf_hdu_index *s, const sf_hdu *hdu, shear_error *err) {
         return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL}, NULL,
                        "has more than %d HDUs", MAX_HDUS);
     }
-    if (!ARRAY_RESERVE(s->hdus, s->capacity, (size_t)s->count + 1)) {
+    if (!ARRAY_RESERVE(s->hdus, s->capacity, (size_t)s->count + 1))
         return sf_fail_memory(err, (sf_place){s->file, NULL});
-    }
     s->hdus[s->count++] = *hdu;
     return SHEAR_OK;
 }
 
 static bool looks_like_header(const char block[SF_BLOCK_BYTES]) {
     for (int i = 0; i < SF_BLOCK_BYTES; i += SF_CARD) {
-        if (memcmp(block + i, "BITPIX  = ", 10) == 0) {
+        if (memcmp(block + i, "BITPIX  = ", 10) == 0)
             return true;
-        }
     }
     return false;
 }
@@ -157,14 +145,12 @@ static int is_extension(reader *r, int64_t offset, bool *yes, shear_error *err) 
     char head[8];
     const char *block = NULL;
     const ssize_t n = pread(r->fd, head, sizeof head, (off_t)offset);
-    if (n < 0) {
+    if (n < 0)
         return sf_fail_errno(err, (sf_place){r->file, NULL}, errno, "cannot be read");
-    }
     *yes = n == (ssize_t)sizeof head && memcmp(head, "XTENSION", sizeof head) == 0;
     const int rc = *yes ? SHEAR_OK : read_block(r, offset, &block, err);
-    if (rc != SHEAR_OK || block == NULL || !looks_like_header(block)) {
+    if (rc != SHEAR_OK || block == NULL || !looks_like_header(block))
         return rc;
-    }
     return sf_fail(err, SHEAR_E_FORMAT, (sf_place){r->file, NULL},
                    "the file is damaged: copy or make it again",
                    "at byte %lld there is a header that does not begin with XTENSION",
@@ -179,17 +165,14 @@ static int read_all(sf_hdu_index *s, reader *r, shear_error *err) {
         sf_header header;
         sf_header_init(&header, s->count);
         int rc = read_hdu(r, &header, offset, &offset, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
         rc = append(s, &header.hdu, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
         rc = is_extension(r, offset, &more, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
     return SHEAR_OK;
 }
@@ -206,9 +189,8 @@ CLEANUP_DEFINE(reader, reader_free)
 int sf_hdu_index_init(sf_hdu_index *s, int fd, int64_t size, const char *file, shear_error *err) {
     *s = (sf_hdu_index){.file = file};
     CLEANUP(reader_release) reader *r = calloc(1, sizeof *r);
-    if (r == NULL) {
+    if (r == NULL)
         return sf_fail_memory(err, (sf_place){file, NULL});
-    }
     r->fd = fd;
     r->size = size;
     r->file = file;
@@ -237,9 +219,8 @@ int sf_hdu_index_find(const sf_hdu_index *s, const char *name, bool required, co
                       shear_error *err) {
     *hdu = NULL;
     for (int i = 1; i < s->count; i++) {
-        if (strcasecmp(s->hdus[i].name, name) != 0) {
+        if (strcasecmp(s->hdus[i].name, name) != 0)
             continue;
-        }
         if (*hdu != NULL) {
             return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, name}, NULL,
                            "two HDUs (%d and %d, counted from 0) have this EXTNAME", (*hdu)->number,

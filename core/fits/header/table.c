@@ -27,9 +27,8 @@ static char upper(char c) {
     static const char small[] = "abcdefghijklmnopqrstuvwxyz";
     static const char capital[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
     const char *at = c != '\0' ? strchr(small, c) : NULL;
-    if (at != NULL) {
+    if (at != NULL)
         return capital[at - small];
-    }
     return c;
 }
 
@@ -38,16 +37,14 @@ static bool parse_form(const char *form, sf_column *c) {
     int64_t repeat = 0;
     const char *p = form;
     for (; isdigit((unsigned char)*p); p++) {
-        if (repeat > INT64_MAX / 100) {
+        if (repeat > INT64_MAX / 100)
             return false;
-        }
         repeat = 10 * repeat + (*p - '0');
     }
     c->repeat = p == form ? 1 : repeat;
     c->type = upper(*p);
-    if (*p != '\0') {
+    if (*p != '\0')
         c->element = upper(p[1]);
-    }
     if (c->type == 'X') {
         c->width = c->repeat / 8 + (c->repeat % 8 != 0 ? 1 : 0);
         return true;
@@ -59,18 +56,16 @@ static bool parse_form(const char *form, sf_column *c) {
 static int set_form(sf_table *t, int i, const char *card, shear_error *err) {
     char form[SF_CARD];
     sf_column *c = &t->columns[i];
-    if (c->type != '\0') {
+    if (c->type != '\0')
         return bad(t, "TFORM", i, "is given twice", err);
-    }
     const bool sound = sf_card_string(card, form, sizeof form) && parse_form(form, c);
     return sound ? SHEAR_OK : bad(t, "TFORM", i, "is no format of a binary table's column", err);
 }
 
 static int set_name(sf_table *t, int i, const char *card, shear_error *err) {
     sf_column *c = &t->columns[i];
-    if (c->name[0] != '\0') {
+    if (c->name[0] != '\0')
         return bad(t, "TTYPE", i, "is given twice", err);
-    }
     if (!sf_card_string(card, c->name, sizeof c->name)) {
         c->name[0] = '\0'; /* no name that anybody asks for */
     }
@@ -88,13 +83,11 @@ static int set_card(sf_table *t, const char *card, shear_error *err) {
     sf_card_key(card, key);
     for (int k = 0; key[0] == 'T' && k < 5; k++) {
         const int i = sf_card_index(key, roots[k]) - 1;
-        if (i < 0 || i >= t->n || !sf_card_has_value(card)) {
+        if (i < 0 || i >= t->n || !sf_card_has_value(card))
             continue;
-        }
         sf_column *c = &t->columns[i];
-        if (k < 2) {
+        if (k < 2)
             return k == 0 ? set_name(t, i, card, err) : set_form(t, i, card, err);
-        }
         note_scaling(c, k == 2 ? &c->scale : k == 3 ? &c->zero : &c->null, card);
     }
     return SHEAR_OK;
@@ -104,13 +97,11 @@ static int lay_out(sf_table *t, shear_error *err) {
     int64_t end = 0;
     for (int i = 0; i < t->n; i++) {
         sf_column *c = &t->columns[i];
-        if (c->type == '\0') {
+        if (c->type == '\0')
             return bad(t, "TFORM", i, "is missing", err);
-        }
         c->offset = end;
-        if (__builtin_add_overflow(end, c->width, &end) || end > t->hdu->axes[0]) {
+        if (__builtin_add_overflow(end, c->width, &end) || end > t->hdu->axes[0])
             return bad(t, "TFORM", i, "goes beyond the row: NAXIS1 is smaller", err);
-        }
     }
     return end == t->hdu->axes[0]
                ? SHEAR_OK
@@ -128,17 +119,14 @@ int sf_table_init(sf_table *t, const sf_file *file, const sf_hdu *hdu, const sf_
     }
     int64_t n = 0;
     int rc = sf_need_int(cards, "TFIELDS", 0, MAX_COLUMNS, &n, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     t->columns = calloc((size_t)n + 1, sizeof *t->columns);
-    if (t->columns == NULL) {
+    if (t->columns == NULL)
         return sf_fail_memory(err, cards->at);
-    }
     t->n = (int)n;
-    for (int64_t i = 0; rc == SHEAR_OK && i < cards->count; i++) {
+    for (int64_t i = 0; rc == SHEAR_OK && i < cards->count; i++)
         rc = set_card(t, cards->text + i * SF_CARD, err);
-    }
     return rc == SHEAR_OK ? lay_out(t, err) : rc;
 }
 
@@ -151,9 +139,8 @@ void sf_table_deinit(sf_table *t) {
 int sf_table_find(const sf_table *t, const char *name, const sf_column **column, shear_error *err) {
     *column = NULL;
     for (int i = 0; i < t->n; i++) {
-        if (strcasecmp(t->columns[i].name, name) != 0) {
+        if (strcasecmp(t->columns[i].name, name) != 0)
             continue;
-        }
         if (*column != NULL) {
             return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL, "it has two columns called %s",
                            name);
@@ -185,9 +172,8 @@ int sf_table_find_number(const sf_table *t, const char *name, const sf_column **
                          shear_error *err) {
     const int rc = sf_table_find(t, name, column, err);
     const sf_column *c = *column;
-    if (rc != SHEAR_OK || c == NULL) {
+    if (rc != SHEAR_OK || c == NULL)
         return rc;
-    }
     if (strchr("LBIJKED", c->type) == NULL || c->repeat != 1) {
         return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
                        "column %s must hold one number a row (TFORM B, I, J, K, E, D or L), but %s",

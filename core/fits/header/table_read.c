@@ -17,9 +17,8 @@ int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes
     assert(row >= 0 && offset >= 0 && bytes >= 0);
     const int64_t at = t->hdu->data_offset + row * t->hdu->axes[0] + offset;
     const ssize_t n = io_read_at(t->file->source.fd, out, (size_t)bytes, (off_t)at);
-    if (n < 0) {
+    if (n < 0)
         return sf_fail_errno(err, t->cards->at, errno, "cannot be read");
-    }
     if (n < bytes) {
         return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "leave a file alone while it is read",
                        "its data end at row %lld: the file has become shorter", (long long)row + 1);
@@ -83,12 +82,10 @@ static scaling scaling_of(const sf_column *c) {
         s.whole = true;
         return s;
     }
-    if (c->scale != NULL) {
+    if (c->scale != NULL)
         (void)sf_card_double(c->scale, &s.scale);
-    }
-    if (c->zero != NULL) {
+    if (c->zero != NULL)
         (void)sf_card_double(c->zero, &s.zero);
-    }
     s.whole = s.scale == 1.0;
     if (s.whole && c->zero != NULL && !sf_card_int(c->zero, &s.whole_zero)) {
         s.whole = s.zero == floor(s.zero) && fabs(s.zero) < 0x1p63;
@@ -111,9 +108,8 @@ typedef struct sink {
 } sink;
 
 static double as_double(const sink *s, stored_cell c) {
-    if (c.undefined || (!c.floating && s->by.has_null && c.integer == s->by.null)) {
+    if (c.undefined || (!c.floating && s->by.has_null && c.integer == s->by.null))
         return NAN;
-    }
     const double v = c.floating ? c.real : (double)c.integer;
     return s->by.scale == 1.0 && s->by.zero == 0.0 ? v : v * s->by.scale + s->by.zero;
 }
@@ -121,12 +117,10 @@ static double as_double(const sink *s, stored_cell c) {
 static int64_t as_integer(const sink *s, stored_cell c) {
     int64_t sum = 0;
     if (!c.floating && !c.undefined && !(s->by.has_null && c.integer == s->by.null)) {
-        if (s->is_unsigned) {
+        if (s->is_unsigned)
             return (int64_t)((uint64_t)c.integer + (UINT64_C(1) << 63));
-        }
-        if (s->by.whole) {
+        if (s->by.whole)
             return __builtin_add_overflow(c.integer, s->by.whole_zero, &sum) ? s->undefined : sum;
-        }
     }
     const double v = as_double(s, c);
     return v == floor(v) && fabs(v) < 0x1p63 ? (int64_t)v : s->undefined; /* NaN: neither */
@@ -153,12 +147,10 @@ static int read_rows(const sf_table *t, const sink *s, int64_t first, int64_t co
         const int64_t n = count - done < many ? count - done : many;
         const int rc = sf_table_bytes(t, first + done, cells ? c->offset : 0,
                                       cells ? c->width : n * row, buffer, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
-        for (int64_t i = 0; i < n; i++) {
+        for (int64_t i = 0; i < n; i++)
             put(s, done + i, buffer + (cells ? 0 : i * row + c->offset));
-        }
         done += n;
     }
     return SHEAR_OK;

@@ -12,9 +12,8 @@ bool sf_bits_read(sf_bits *b, int n, int *out) {
     assert(n >= 0 && n < 31);
     *out = 0;
     for (int i = 0; i < n; i++, b->position++) {
-        if (b->position >= b->count) {
+        if (b->position >= b->count)
             return false;
-        }
         const int bit = b->bytes[b->position >> 3] >> (7 - (b->position & 7)) & 1;
         *out = 2 * *out + bit;
     }
@@ -36,8 +35,7 @@ bool sf_bits_skip_unary(sf_bits *b) {
 uint64_t sf_bits_big_endian(const unsigned char *bytes, int64_t n) {
     assert(n >= 0 && n <= 8);
     uint64_t v = 0;
-    for (int64_t i = 0; i < n; i++) {
+    for (int64_t i = 0; i < n; i++)
         v = v << 8 | bytes[i];
-    }
     return v;
 }

@@ -31,9 +31,8 @@ void sf_bitset_add(sf_bitset *b, int64_t first, int64_t count) {
 
 int64_t sf_bitset_first_gap(const sf_bitset *b) {
     for (int64_t i = 0; b->set < b->size && i < b->size; i++) {
-        if (!sf_bitset_has(b, i)) {
+        if (!sf_bitset_has(b, i))
             return i;
-        }
     }
     return -1;
 }

@@ -35,9 +35,8 @@ typedef struct stream {
 } stream;
 
 static void stream_close(stream *f) {
-    if (f->own && f->fd >= 0) {
+    if (f->own && f->fd >= 0)
         close(f->fd);
-    }
     *f = (stream){.fd = -1};
 }
 
@@ -54,9 +53,8 @@ static int stream_open(stream *f, const char *path, int fd, shear_error *err) {
 static int stream_read(stream *f, unsigned char *buffer, size_t *count, shear_error *err) {
     const sf_place at = {f->name, NULL};
     const ssize_t n = io_read_at(f->fd, buffer, BUFFER, f->offset);
-    if (n < 0) {
+    if (n < 0)
         return sf_fail_errno(err, at, errno, "cannot be read");
-    }
     if (n > f->size - f->offset) {
         return sf_fail(err, SHEAR_E_IO, at, "leave a file alone while it is read",
                        "grows while it is read: it had %lld bytes", (long long)f->size);
@@ -103,13 +101,11 @@ static bool same_file(const shear_input *input, const int *fds, int a, int b) {
 /* Whose file this part is in; a file of several parts is read once. A catalog that is not given
  * is in the galaxies' file. */
 static int file_of(const shear_hashing *h, int part) {
-    if (h->input->parts[part].path == NULL) {
+    if (h->input->parts[part].path == NULL)
         return SHEAR_PART_GALAXY;
-    }
     for (int i = 0; i < part; i++) {
-        if (h->input->parts[i].path != NULL && same_file(h->input, h->fds, i, part)) {
+        if (h->input->parts[i].path != NULL && same_file(h->input, h->fds, i, part))
             return i;
-        }
     }
     return part;
 }
@@ -126,9 +122,8 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
                              .state = XXH3_createState(),
                              .buffer = malloc(BUFFER)};
     }
-    if (h == NULL || h->state == NULL || h->buffer == NULL) {
+    if (h == NULL || h->state == NULL || h->buffer == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a checksum");
-    }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         const bool there = h->whole ? i == 0 : info != NULL && info->hdu[i] >= 0;
         h->hdu[i] = info != NULL ? (long long)info->hdu[i] : -1;
@@ -140,9 +135,8 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
 
 void shear_hashing_free(shear_hashing *h) {
     if (h != NULL) {
-        if (h->open) {
+        if (h->open)
             stream_close(&h->file);
-        }
         XXH3_freeState(h->state);
         free(h->buffer);
         free(h);
@@ -177,13 +171,11 @@ static void end_part(shear_hashing *h) {
 /* One buffer more of the part that is being read, or its beginning or end. */
 static int hash_some(shear_hashing *h, shear_error *err) {
     size_t count = 0;
-    if (!h->open) {
+    if (!h->open)
         return begin_part(h, err);
-    }
     const int code = stream_read(&h->file, h->buffer, &count, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (count > 0) {
         XXH3_128bits_update(h->state, h->buffer, count);
     } else {
@@ -197,9 +189,8 @@ int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error 
     *done = false;
     while (h->part < SHEAR_N_PARTS && shear_hashing_bytes(h) - begun < bytes) {
         const int code = hash_some(h, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     *done = h->part == SHEAR_N_PARTS;
     return SHEAR_OK;
@@ -225,13 +216,11 @@ int shear_input_checksum(const shear_input *input, const int *fds, const shear_f
     CLEANUP(shear_hashing_release) shear_hashing *h = NULL;
     bool done = false;
     int code = shear_hashing_new(&h, input, fds, info, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = shear_hashing_step(h, INT64_MAX, &done, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_hashing_text(h, out);
     return SHEAR_OK;
 }

@@ -49,13 +49,11 @@ static int next_scratch(sf_place at, int *out, shear_error *err) {
 }
 
 static int open_copy(sf_place at, int *out, shear_error *err) {
-    if (n_given > 0) {
+    if (n_given > 0)
         return next_scratch(at, out, err);
-    }
     const char *dir = getenv("TMPDIR");
-    if (dir == NULL || dir[0] == '\0') {
+    if (dir == NULL || dir[0] == '\0')
         dir = "/tmp";
-    }
     *out = io_open_nameless(dir);
     if (*out < 0) {
         const int number = errno;
@@ -78,9 +76,8 @@ typedef struct unpacking {
 
 static int refill(unpacking *u, shear_error *err) {
     const ssize_t n = io_read_at(u->in, u->packed, CHUNK, u->position);
-    if (n < 0) {
+    if (n < 0)
         return sf_fail_errno(err, u->at, errno, "cannot read");
-    }
     if (n == 0) {
         return sf_fail(err, SHEAR_E_FORMAT, u->at, "copy the file again",
                        "the gzip data are truncated: they end after %lld bytes, before the end of "
@@ -118,16 +115,13 @@ static int flush(unpacking *u, shear_error *err) {
 static int unpack_member(unpacking *u, shear_error *err) {
     for (;;) {
         int rc = u->z.avail_in == 0 ? refill(u, err) : SHEAR_OK;
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
         const int z = inflate(&u->z, Z_NO_FLUSH);
-        if (z == Z_STREAM_END) {
+        if (z == Z_STREAM_END)
             return SHEAR_OK;
-        }
-        if (z == Z_MEM_ERROR) {
+        if (z == Z_MEM_ERROR)
             return sf_fail_memory(err, u->at);
-        }
         if (z != Z_OK && z != Z_BUF_ERROR) {
             return sf_fail(err, SHEAR_E_FORMAT, u->at, "copy the file again",
                            "the gzip data are damaged near byte %lld (%s)",
@@ -135,9 +129,8 @@ static int unpack_member(unpacking *u, shear_error *err) {
                            u->z.msg != NULL ? u->z.msg : "no gzip stream");
         }
         rc = u->z.avail_out == 0 ? flush(u, err) : SHEAR_OK;
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
 }
 
@@ -147,12 +140,10 @@ static int more_members(unpacking *u, shear_error *err) {
     const int64_t next = u->position - u->z.avail_in;
     unsigned char head[2] = {0, 0};
     const ssize_t n = io_read_at(u->in, head, sizeof head, next);
-    if (n < 0) {
+    if (n < 0)
         return -sf_fail_errno(err, u->at, errno, "cannot read");
-    }
-    if (n == 0 || head[0] == 0) {
+    if (n == 0 || head[0] == 0)
         return 0;
-    }
     if (!sf_is_gzip(head, n)) {
         return -sf_fail(err, SHEAR_E_FORMAT, u->at, "copy the file again",
                         "the gzip data are damaged: byte %lld begins something that is not gzip",
@@ -166,9 +157,8 @@ static int unpack(unpacking *u, shear_error *err) {
     int more = 1;
     while (more > 0) {
         const int rc = unpack_member(u, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
         more = more_members(u, err);
     }
     return more < 0 ? -more : flush(u, err);
@@ -193,13 +183,11 @@ int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err
         return sf_fail_memory(err, at);
     }
     int rc = open_copy(at, &u.out, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = unpack(&u, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     *out = u.out;
     *out_size = u.written;
     u.out = -1;

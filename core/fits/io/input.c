@@ -12,17 +12,15 @@ const char *shear_part_name(int part) {
 
 shear_input shear_input_of_file(const char *path) {
     shear_input input = {.path = path};
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
         input.parts[i].hdu = -1;
-    }
     return input;
 }
 
 static void append(char *buf, size_t size, const char *separator, const shear_input_part *part) {
     char hdu[24] = "";
-    if (part->extname == NULL && part->hdu >= 0) {
+    if (part->extname == NULL && part->hdu >= 0)
         snprintf(hdu, sizeof hdu, "%lld", (long long)part->hdu);
-    }
     const char *chosen = part->extname != NULL ? part->extname : hdu;
     text_append(buf, size, "%s%s%s%s", separator, part->path, chosen[0] != '\0' ? ":" : "", chosen);
 }
@@ -30,9 +28,8 @@ static void append(char *buf, size_t size, const char *separator, const shear_in
 char *shear_input_text(const shear_input *input, char *buf, size_t size) {
     text_set(buf, size, input->path);
     for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++) {
-        if (input->parts[i].path != NULL) {
+        if (input->parts[i].path != NULL)
             append(buf, size, buf[0] != '\0' ? " + " : "", &input->parts[i]);
-        }
     }
     return buf;
 }

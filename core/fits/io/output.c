@@ -29,17 +29,15 @@ static int open_directory(sf_output *out, const char *path, shear_error *err) {
         return sf_fail(err, SHEAR_E_IO, at, "give a file's name", "is %s",
                        path[0] == '\0' ? "an empty name" : "a directory");
     }
-    if (strlen(base) >= sizeof out->base) {
+    if (strlen(base) >= sizeof out->base)
         return sf_fail_errno(err, at, ENAMETOOLONG, "cannot be written");
-    }
     text_set(out->base, sizeof out->base, base);
     CLEANUP(release_free)
     char *directory = slash == NULL   ? strdup(".")
                       : slash == path ? strdup("/")
                                       : strndup(path, (size_t)(slash - path));
-    if (directory == NULL) {
+    if (directory == NULL)
         return sf_fail_memory(err, at);
-    }
     out->directory = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     return out->directory >= 0 ? SHEAR_OK
                                : sf_fail_errno(err, at, errno, "its directory cannot be opened");
@@ -52,26 +50,23 @@ static int check_target(const sf_output *out, shear_error *err) {
                        "is %s, which cannot be replaced",
                        S_ISDIR(st.st_mode) ? "a directory" : "not a regular file");
     }
-    if (!out->overwrite && fstatat(out->directory, out->base, &st, AT_SYMLINK_NOFOLLOW) == 0) {
+    if (!out->overwrite && fstatat(out->directory, out->base, &st, AT_SYMLINK_NOFOLLOW) == 0)
         return exists(out, err);
-    }
     return SHEAR_OK;
 }
 
 static int name_temporary(sf_output *out, shear_error *err) {
     const sf_place at = {out->name, NULL};
     uint64_t random = 0;
-    if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random) {
+    if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random)
         return sf_fail_errno(err, at, errno, "no random number for a temporary name");
-    }
     snprintf(out->temporary, sizeof out->temporary, ".sheard-%ld-%016llx.part", (long)getpid(),
              (unsigned long long)random);
     /* CFITSIO's own message would not say why a file cannot be made. */
     const int fd =
         openat(out->directory, out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0) {
+    if (fd < 0)
         return sf_fail_errno(err, at, errno, "cannot be written in its directory");
-    }
     close(fd);
     unlinkat(out->directory, out->temporary, 0);
     return SHEAR_OK;
@@ -98,13 +93,11 @@ int sf_output_create(sf_output *out, const char *path, bool overwrite, shear_err
     *out = (sf_output){.directory = -1, .overwrite = overwrite};
     sf_printable_name(out->name, sizeof out->name, path);
     int rc = open_directory(out, path, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = check_target(out, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = name_temporary(out, err);
     return rc != SHEAR_OK ? rc : create_file(out, err);
 }
@@ -124,9 +117,8 @@ static int sync_file(const sf_output *out, int64_t bytes, shear_error *err) {
     struct stat st;
     CLEANUP(release_fd)
     const int fd = openat(out->directory, out->temporary, O_RDWR | O_CLOEXEC);
-    if (fd < 0) {
+    if (fd < 0)
         return sf_fail_errno(err, at, errno, "its temporary file cannot be opened");
-    }
     const bool synced =
         fstat(fd, &st) == 0 && (st.st_size >= bytes || ftruncate(fd, bytes) == 0) && fsync(fd) == 0;
     return synced ? SHEAR_OK : sf_fail_errno(err, at, errno, "cannot be brought to disk");
@@ -135,12 +127,10 @@ static int sync_file(const sf_output *out, int64_t bytes, shear_error *err) {
 /* 0, or -1 with errno EEXIST where the name is taken. */
 static int rename_to_new(const sf_output *out) {
     const int d = out->directory;
-    if (renameat2(d, out->temporary, d, out->base, RENAME_NOREPLACE) == 0) {
+    if (renameat2(d, out->temporary, d, out->base, RENAME_NOREPLACE) == 0)
         return 0;
-    }
-    if (errno != EINVAL && errno != ENOSYS) {
+    if (errno != EINVAL && errno != ENOSYS)
         return -1;
-    }
     /* Not every file system has that flag; a link does not replace either. */
     return linkat(d, out->temporary, d, out->base, 0) == 0 ? unlinkat(d, out->temporary, 0) : -1;
 }
@@ -173,9 +163,8 @@ int sf_output_commit(sf_output *out, shear_error *err) {
 }
 
 void sf_output_discard(sf_output *out) {
-    if (out->fits != NULL) {
+    if (out->fits != NULL)
         close_fits(out, NULL);
-    }
     if (out->exists) {
         unlinkat(out->directory, out->temporary, 0);
         out->exists = false;
@@ -205,13 +194,11 @@ static int remove_kept(const sf_output *out, const char *doing, shear_error *err
 
 int sf_output_create_kept(sf_output *out, const char *path, shear_error *err) {
     int rc = name_kept(out, path, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = check_target(out, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = remove_kept(out, "its temporary file cannot be replaced", err);
     return rc != SHEAR_OK ? rc : create_file(out, err);
 }
@@ -221,14 +208,12 @@ int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, v
     char proc[320];
     int status = 0;
     int rc = name_kept(out, path, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     name_for_cfitsio(out, proc);
     rc = check(proc, context, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     out->exists = true;
     fits_open_diskfile(&out->fits, proc, READWRITE, &status);
     return status == 0
@@ -241,9 +226,8 @@ int sf_output_sync(sf_output *out, shear_error *err) {
     int status = 0;
     fits_flush_file(out->fits, &status);
     fits_get_hduaddrll(out->fits, NULL, NULL, &end, &status);
-    if (status != 0) {
+    if (status != 0)
         return sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be written");
-    }
     return sync_file(out, end, err);
 }
 

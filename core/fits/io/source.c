@@ -26,23 +26,19 @@ void sf_printable_name(char *out, size_t size, const char *path) {
 }
 
 static const char *kind_of(mode_t mode) {
-    if (S_ISDIR(mode)) {
+    if (S_ISDIR(mode))
         return "a directory";
-    }
-    if (S_ISFIFO(mode)) {
+    if (S_ISFIFO(mode))
         return "a FIFO (named pipe)";
-    }
-    if (S_ISSOCK(mode)) {
+    if (S_ISSOCK(mode))
         return "a socket";
-    }
     return "a device";
 }
 
 int sf_check_regular(int fd, sf_place at, int64_t *bytes, shear_error *err) {
     struct stat st;
-    if (fstat(fd, &st) != 0) {
+    if (fstat(fd, &st) != 0)
         return sf_fail_errno(err, at, errno, "cannot be examined");
-    }
     if (!S_ISREG(st.st_mode)) {
         return sf_fail(err, SHEAR_E_IO, at, "give a regular file", "is %s, not a regular file",
                        kind_of(st.st_mode));
@@ -79,18 +75,15 @@ static int look_inside(sf_source *s, shear_error *err) {
     const sf_place at = {s->name, NULL};
     unsigned char head[16];
     const ssize_t n = pread(s->fd, head, sizeof head, 0);
-    if (n < 0) {
+    if (n < 0)
         return sf_fail_errno(err, at, errno, "cannot be read");
-    }
-    if (n == 0) {
+    if (n == 0)
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "is empty (0 bytes)");
-    }
     if (sf_is_gzip(head, n)) {
         int unpacked = -1;
         const int rc = sf_gunzip(s->fd, at, &unpacked, &s->size, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
         close(s->fd);
         s->fd = unpacked;
         s->gzipped = true;
@@ -113,16 +106,13 @@ int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err) 
     prepare(s, name);
     const sf_place at = {s->name, NULL};
     const int mode = fcntl(fd, F_GETFL);
-    if (mode < 0) {
+    if (mode < 0)
         return sf_fail_errno(err, at, errno, "its descriptor cannot be used");
-    }
-    if ((mode & O_ACCMODE) == O_WRONLY || (mode & O_PATH) != 0) {
+    if ((mode & O_ACCMODE) == O_WRONLY || (mode & O_PATH) != 0)
         return sf_fail(err, SHEAR_E_IO, at, NULL, "its descriptor is not open for reading");
-    }
     const int rc = sf_check_regular(fd, at, &s->file_bytes, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     s->size = s->file_bytes;
     s->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0); /* its offset is the caller's: only pread is used */
     return s->fd >= 0 ? look_inside(s, err) : sf_fail_errno(err, at, errno, "cannot be duplicated");

@@ -15,9 +15,8 @@ int sf_fail(shear_error *err, int code, sf_place at, const char *advice, const c
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    if (at.hdu != NULL) {
+    if (at.hdu != NULL)
         return shear_fail(err, code, advice, "file '%s', HDU %s: %s", at.file, at.hdu, text);
-    }
     return shear_fail(err, code, advice, "file '%s': %s", at.file, text);
 }
 
@@ -47,14 +46,12 @@ int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing)
     const int number = errno;
     fits_get_errstatus(status, text);
     /* The oldest message is the nearest to the cause; the younger ones say who called whom. */
-    if (fits_read_errmsg(detail) == 0) {
+    if (fits_read_errmsg(detail) == 0)
         detail[0] = '\0';
-    }
     fits_clear_errmsg();
     for (char *c = detail; *c != '\0'; c++) {
-        if (*c < ' ' || *c > '~') {
+        if (*c < ' ' || *c > '~')
             *c = '?';
-        }
     }
     const int code = code_of(status, number);
     const char *advice = code == SHEAR_E_IO     ? "check the disk's free space and permissions"

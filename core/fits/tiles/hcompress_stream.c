@@ -29,36 +29,31 @@ static bool read_node(sf_bits *b, unsigned char *node) {
     static const unsigned char five[] = {6, 7, 9, 11, 13};
     int code = 0;
     int bit = 0;
-    if (!sf_bits_read(b, 3, &code)) {
+    if (!sf_bits_read(b, 3, &code))
         return false;
-    }
     if (code < 4) {
         *node = (unsigned char)(1 << code);
         return true;
     }
-    if (!sf_bits_read(b, 1, &bit)) {
+    if (!sf_bits_read(b, 1, &bit))
         return false;
-    }
     code = 2 * code + bit;
     if (code < 13) {
         *node = four[code - 8];
         return true;
     }
-    if (!sf_bits_read(b, 1, &bit)) {
+    if (!sf_bits_read(b, 1, &bit))
         return false;
-    }
     code = 2 * code + bit;
     if (code < 31) {
         *node = five[code - 26];
         return true;
     }
     *node = 14;
-    if (!sf_bits_read(b, 1, &bit)) {
+    if (!sf_bits_read(b, 1, &bit))
         return false;
-    }
-    if (bit == 0) {
+    if (bit == 0)
         *node = 0;
-    }
     return true;
 }
 
@@ -73,9 +68,8 @@ static bool expand(walk *w, int64_t nx, int64_t ny) {
     unsigned char *next = w->nodes[1];
     for (int64_t i = nx * ny - 1; i >= 0; i--) {
         next[i] = 0;
-        if (bit_of(w->nodes[0], half(ny), i / ny, i % ny) != 0 && !read_node(&w->bits, &next[i])) {
+        if (bit_of(w->nodes[0], half(ny), i / ny, i % ny) != 0 && !read_node(&w->bits, &next[i]))
             return false;
-        }
     }
     w->nodes[1] = w->nodes[0];
     w->nodes[0] = next;
@@ -89,18 +83,16 @@ static bool read_tree(walk *w, int64_t nx, int64_t ny, int levels) {
     int64_t size = INT64_C(1) << levels;
     int64_t level_x = 1;
     int64_t level_y = 1;
-    if (!read_node(&w->bits, &w->nodes[0][0])) {
+    if (!read_node(&w->bits, &w->nodes[0][0]))
         return false;
-    }
     for (int k = 1; k < levels; k++) {
         size /= 2;
         level_x = 2 * level_x - (rest_x <= size ? 1 : 0);
         level_y = 2 * level_y - (rest_y <= size ? 1 : 0);
         rest_x -= rest_x <= size ? 0 : size;
         rest_y -= rest_y <= size ? 0 : size;
-        if (!expand(w, level_x, level_y)) {
+        if (!expand(w, level_x, level_y))
             return false;
-        }
     }
     return true;
 }
@@ -108,9 +100,8 @@ static bool read_tree(walk *w, int64_t nx, int64_t ny, int levels) {
 static bool read_plain(walk *w, int64_t nodes) {
     for (int64_t i = 0; i < nodes; i++) {
         int node = 0;
-        if (!sf_bits_read(&w->bits, 4, &node)) {
+        if (!sf_bits_read(&w->bits, 4, &node))
             return false;
-        }
         w->nodes[0][i] = (unsigned char)node;
     }
     return true;
@@ -118,38 +109,33 @@ static bool read_plain(walk *w, int64_t nodes) {
 
 static bool read_plane(walk *w, unsigned char *corner, int64_t nx, int64_t ny, int levels) {
     int form = 0;
-    if (!sf_bits_read(&w->bits, 4, &form)) {
+    if (!sf_bits_read(&w->bits, 4, &form))
         return false;
-    }
     const bool taken = form == 0    ? read_plain(w, half(nx) * half(ny))
                        : form == 15 ? read_tree(w, nx, ny, levels)
                                     : false;
     for (int64_t i = 0; taken && i < nx * ny; i++) {
-        if (bit_of(w->nodes[0], half(ny), i / ny, i % ny) != 0) {
+        if (bit_of(w->nodes[0], half(ny), i / ny, i % ny) != 0)
             corner[i / ny * w->stride + i % ny] = 1;
-        }
     }
     return taken;
 }
 
 static bool read_quadrant(walk *w, int64_t x, int64_t y, int64_t nx, int64_t ny, int planes) {
     int levels = 0;
-    while ((INT64_C(1) << levels) < nx || (INT64_C(1) << levels) < ny) {
+    while ((INT64_C(1) << levels) < nx || (INT64_C(1) << levels) < ny)
         levels++;
-    }
     for (int plane = 0; plane < planes; plane++) {
-        if (!read_plane(w, w->nonzero + x * w->stride + y, nx, ny, levels)) {
+        if (!read_plane(w, w->nonzero + x * w->stride + y, nx, ny, levels))
             return false;
-        }
     }
     return true;
 }
 
 static bool read_signs(walk *w, int64_t pixels) {
     int64_t signs = 0;
-    for (int64_t i = 0; i < pixels; i++) {
+    for (int64_t i = 0; i < pixels; i++)
         signs += w->nonzero[i];
-    }
     w->bits.position = (w->bits.position + 7) / 8 * 8;
     return sf_bits_skip(&w->bits, signs);
 }
@@ -162,9 +148,8 @@ bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, const int64_t
                         bool wide, unsigned char *work) {
     enum { NX = 2, NY = 6, PLANES = 22, HEADER = 25, MIN_SIDE = 2 };
     static const unsigned char magic[2] = {0xdd, 0x99};
-    if (count < HEADER || memcmp(bytes, magic, sizeof magic) != 0) {
+    if (count < HEADER || memcmp(bytes, magic, sizeof magic) != 0)
         return false;
-    }
     const int64_t nx = big_endian_32(bytes + NX);
     const int64_t ny = big_endian_32(bytes + NY);
     const int64_t pixels = nx * ny;

@@ -9,20 +9,17 @@ static int check_header(const sf_hdu *hdu, sf_place at, shear_error *err) {
     if (hdu->zimage && hdu->kind == SF_TABLE) {
         return SHEAR_OK; /* sf_tiling_init */
     }
-    if (hdu->kind != SF_IMAGE) {
+    if (hdu->kind != SF_IMAGE)
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "must be an image, but is a table");
-    }
     if (hdu->naxis != 2 && hdu->naxis != 3) {
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "must have 2 or 3 axes, but NAXIS is %lld",
                        (long long)hdu->naxis);
     }
-    if (hdu->pcount != 0 || hdu->gcount != 1) {
+    if (hdu->pcount != 0 || hdu->gcount != 1)
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "an image must have PCOUNT 0 and GCOUNT 1");
-    }
     for (int k = 0; k < hdu->naxis; k++) {
-        if (hdu->axes[k] == 0) {
+        if (hdu->axes[k] == 0)
             return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "NAXIS%d is 0: it has no pixels", k + 1);
-        }
     }
     return SHEAR_OK;
 }
@@ -37,13 +34,11 @@ static int set_plain(sf_image *image, const sf_hdu *hdu) {
 static int set_tiled(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
     image->compressed = true;
     int rc = sf_table_init(&image->table, file, hdu, &image->cards, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_tiling_init(&image->tiling, &image->table, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     image->naxis = (int)image->tiling.naxis;
     image->bitpix = (int)image->tiling.bitpix;
     memcpy(image->axes, image->tiling.axes, sizeof image->axes);
@@ -70,9 +65,8 @@ static int show_plain(sf_image *image, double scale, double zero, shear_error *e
         sf_view_double(v, "BSCALE", scale);
         sf_view_double(v, "BZERO", zero);
     }
-    if (has_blank) {
+    if (has_blank)
         sf_view_int(v, "BLANK", blank);
-    }
     sf_view_end(v);
     return rc;
 }
@@ -83,19 +77,15 @@ static int show(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_e
     bool found = false;
     sf_view_init(&image->view, file, hdu);
     int rc = sf_key_double(&image->cards, "BSCALE", &scale, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_key_double(&image->cards, "BZERO", &zero, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (scale == 0.0) {
+    if (scale == 0.0)
         return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, NULL, "keyword BSCALE is 0");
-    }
-    if (!image->compressed) {
+    if (!image->compressed)
         return show_plain(image, scale, zero, err);
-    }
     sf_tiling_show(&image->tiling, &image->table, scale, zero, &image->view);
     return SHEAR_OK;
 }
@@ -104,17 +94,14 @@ int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const
                   shear_error *err) {
     *image = (sf_image){.cards.at = {file->source.name, label}};
     int rc = check_header(hdu, image->cards.at, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_cards_init(&image->cards, file, hdu, label, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = hdu->zimage ? set_tiled(image, file, hdu, err) : set_plain(image, hdu);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = show(image, file, hdu, err);
     return rc != SHEAR_OK ? rc
                           : sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at,
@@ -140,9 +127,8 @@ int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t s
                   double *out, shear_error *err) {
     if (image->compressed) {
         const int rc = sf_tiles_check(&image->tiles, first, size, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
     /* Floating pixels of a plain image need no null value: CFITSIO then copies them bit by bit. */
     double null = image->bitpix < 0 && !image->compressed ? 0.0 : NAN;

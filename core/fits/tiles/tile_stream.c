@@ -9,19 +9,15 @@
  * the largest: they are stored whole; else the low code-1 bits follow a unary count. */
 static bool skip_block(sf_bits *b, int64_t pixels, int code_bits, int whole_code, int pixel_bits) {
     int code = 0;
-    if (!sf_bits_read(b, code_bits, &code)) {
+    if (!sf_bits_read(b, code_bits, &code))
         return false;
-    }
-    if (code == 0) {
+    if (code == 0)
         return true;
-    }
-    if (code == whole_code) {
+    if (code == whole_code)
         return sf_bits_skip(b, pixels * pixel_bits);
-    }
     for (int64_t i = 0; i < pixels; i++) {
-        if (!sf_bits_skip_unary(b) || !sf_bits_skip(b, code - 1)) {
+        if (!sf_bits_skip_unary(b) || !sf_bits_skip(b, code - 1))
             return false;
-        }
     }
     return true;
 }
@@ -37,9 +33,8 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
     }
     for (int64_t done = 0; done < pixels; done += block) {
         const int64_t n = pixels - done < block ? pixels - done : block;
-        if (!skip_block(&b, n, code_bits, whole_code, pixel_bits)) {
+        if (!skip_block(&b, n, code_bits, whole_code, pixel_bits))
             return false;
-        }
     }
     int rest = 0; /* zeros that fill the last byte; else it was packed in other blocks */
     const int64_t left = b.count - b.position;
@@ -49,9 +44,8 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
 int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit) {
     unsigned char discard[16384];
     z_stream z = {0};
-    if (count > UINT32_MAX || inflateInit2(&z, 15 + 16) != Z_OK) {
+    if (count > UINT32_MAX || inflateInit2(&z, 15 + 16) != Z_OK)
         return -1;
-    }
     z.next_in = (unsigned char *)bytes; /* zlib only reads it */
     z.avail_in = (uInt)count;
     int64_t size = 0;
@@ -72,27 +66,23 @@ static int word(const unsigned char *bytes, int64_t index) {
 
 bool sf_plio_sound(const unsigned char *bytes, int64_t count, int64_t pixels) {
     const int64_t words = count / 2;
-    if (words < 3) {
+    if (words < 3)
         return false;
-    }
     int64_t first = 3;
     int64_t length = word(bytes, 2);
     if (length <= 0) { /* the newer header: its own length, and a length of two words */
-        if (words < 5 || word(bytes, 3) < 0 || word(bytes, 4) < 0) {
+        if (words < 5 || word(bytes, 3) < 0 || word(bytes, 4) < 0)
             return false;
-        }
         first = word(bytes, 1);
         length = (int64_t)word(bytes, 4) * 32768 + word(bytes, 3);
     }
-    if (first < 0 || length <= 0 || length > words) {
+    if (first < 0 || length <= 0 || length > words)
         return false;
-    }
     int64_t seen = 0;
     for (int64_t i = first; i < length; i++) {
         const int instruction = word(bytes, i) / 4096;
-        if (word(bytes, i) < 0) {
+        if (word(bytes, i) < 0)
             return false;
-        }
         const bool run = instruction == 0 || instruction == 4 || instruction == 5;
         seen += run ? word(bytes, i) % 4096 : instruction >= 6 ? 1 : 0;
         if (instruction == 1 && ++i >= length) { /* the only instruction of two words */

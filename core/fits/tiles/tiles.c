@@ -46,21 +46,18 @@ static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *coun
                       shear_error *err) {
     const sf_column *c = t->tiling->column[column];
     *count = *offset = 0;
-    if (c == NULL) {
+    if (c == NULL)
         return SHEAR_OK;
-    }
     unsigned char cell[16];
     const int width = c->type == 'Q' ? 8 : 4; /* P: CFITSIO takes these, too, for unsigned */
     const int rc = sf_table_bytes(t->table, tile, c->offset, 2 * width, cell, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     const uint64_t n = sf_bits_big_endian(cell, width);
     const uint64_t at = sf_bits_big_endian(cell + width, width);
     const uint64_t heap = (uint64_t)t->heap_bytes;
-    if (at > heap || n > (heap - at) / (uint64_t)element_bytes(c->element)) {
+    if (at > heap || n > (heap - at) / (uint64_t)element_bytes(c->element))
         return bad_tile(t, tile, "its data lie outside of the HDU", err);
-    }
     *count = (int64_t)n;
     *offset = (int64_t)at;
     return SHEAR_OK;
@@ -69,18 +66,15 @@ static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *coun
 static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_t offset,
                 shear_error *err) {
     assert(bytes >= 0 && offset >= 0 && offset <= t->heap_bytes - bytes);
-    if (bytes > max_stream_bytes(pixels)) {
+    if (bytes > max_stream_bytes(pixels))
         return bad_tile(t, tile, "its data are absurdly long", err);
-    }
     const int64_t work = t->tiling->algorithm == SF_HCOMPRESS ? 3 * pixels : 0;
-    if (!ARRAY_RESERVE_EXACT(t->buffer, t->capacity, (size_t)(bytes + work))) {
+    if (!ARRAY_RESERVE_EXACT(t->buffer, t->capacity, (size_t)(bytes + work)))
         return sf_fail_memory(err, t->table->cards->at);
-    }
     const ssize_t n = io_read_at(t->table->file->source.fd, t->buffer, (size_t)bytes,
                                  (off_t)(t->heap_offset + offset));
-    if (n < 0) {
+    if (n < 0)
         return sf_fail_errno(err, t->table->cards->at, errno, "cannot be read");
-    }
     return n == bytes ? SHEAR_OK : bad_tile(t, tile, "the file ends before its data do", err);
 }
 
@@ -117,24 +111,20 @@ static int check_alternatives(sf_tiles *t, int64_t tile, int64_t pixels, shear_e
     int64_t count = 0;
     int64_t offset = 0;
     int rc = descriptor(t, SF_RAW_DATA, tile, &count, &offset, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     if (count > 0) {
         return count == pixels ? SHEAR_OK
                                : bad_tile(t, tile, "it has the wrong number of pixels", err);
     }
     rc = descriptor(t, SF_GZIP_DATA, tile, &count, &offset, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (count == 0) {
+    if (count == 0)
         return bad_tile(t, tile, "it has no data", err);
-    }
     rc = load(t, tile, pixels, count, offset, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     const int64_t wanted = pixels * -t->tiling->bitpix / 8; /* of floating pixels only */
     return wanted >= 0 && sf_gzip_size(t->buffer, count, wanted) == wanted
                ? SHEAR_OK
@@ -147,28 +137,23 @@ static int check_data(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], s
     int64_t count = 0;
     int64_t offset = 0;
     int rc = descriptor(t, SF_DATA, tile, &count, &offset, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (count == 0) {
+    if (count == 0)
         return check_alternatives(t, tile, pixels, err);
-    }
     rc = load(t, tile, pixels, count * element, offset, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     return stream_sound(t, count * element, sides) ? SHEAR_OK
                                                    : bad_tile(t, tile, "its data are damaged", err);
 }
 
 static int check_tile(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], shear_error *err) {
-    if (sf_bitset_has(&t->sound, tile)) {
+    if (sf_bitset_has(&t->sound, tile))
         return SHEAR_OK;
-    }
     const int rc = check_data(t, tile, sides, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     sf_bitset_add(&t->sound, tile, 1);
     return SHEAR_OK;
 }
@@ -197,9 +182,8 @@ int sf_tiles_check(sf_tiles *t, const int64_t first[SF_AXES], const int64_t size
                 int64_t sides[SF_AXES];
                 tile_sides(t->tiling, c, sides);
                 const int rc = check_tile(t, tile, sides, err);
-                if (rc != SHEAR_OK) {
+                if (rc != SHEAR_OK)
                     return rc;
-                }
             }
         }
     }

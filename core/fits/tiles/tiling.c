@@ -27,14 +27,12 @@ static int read_axis(sf_tiling *t, const sf_table *table, int k, shear_error *er
     char key[SF_KEY + 16];
     bool found = false;
     t->axes[k] = t->tile[k] = t->grid[k] = 1;
-    if (k >= t->naxis) {
+    if (k >= t->naxis)
         return SHEAR_OK;
-    }
     snprintf(key, sizeof key, "ZNAXIS%d", k + 1);
     int rc = sf_need_int(table->cards, key, 1, INT32_MAX, &t->axes[k], err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     t->tile[k] = k == 0 ? t->axes[0] : 1;
     snprintf(key, sizeof key, "ZTILE%d", k + 1);
     rc = sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], &found, err);
@@ -70,9 +68,8 @@ static int check_sizes(const sf_tiling *t, const sf_table *table, shear_error *e
 
 static int read_sizes(sf_tiling *t, const sf_table *table, shear_error *err) {
     int rc = sf_need_int(table->cards, "ZNAXIS", 2, SF_AXES, &t->naxis, err);
-    for (int k = 0; k < SF_AXES && rc == SHEAR_OK; k++) {
+    for (int k = 0; k < SF_AXES && rc == SHEAR_OK; k++)
         rc = read_axis(t, table, k, err);
-    }
     return rc == SHEAR_OK ? check_sizes(t, table, err) : rc;
 }
 
@@ -84,9 +81,8 @@ static int read_word(const sf_table *table, const char *key, const char *const *
     CLEANUP(release_free) char *text = NULL;
     const int rc = sf_key_string(table->cards, key, &text, err);
     *out = -1;
-    if (rc != SHEAR_OK || text == NULL) {
+    if (rc != SHEAR_OK || text == NULL)
         return rc;
-    }
     for (int i = 0; words[i] != NULL; i++) {
         if (strcmp(text, words[i]) == 0) {
             *out = i;
@@ -104,13 +100,11 @@ static int read_word(const sf_table *table, const char *key, const char *const *
 static int read_bitpix(sf_tiling *t, const sf_table *table, shear_error *err) {
     static const int64_t depths[] = {8, 16, 32, -32, -64};
     const int rc = sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     for (size_t i = 0; i < sizeof depths / sizeof depths[0]; i++) {
-        if (t->bitpix == depths[i]) {
+        if (t->bitpix == depths[i])
             return SHEAR_OK;
-        }
     }
     return bad(table, "ZBITPIX is not one of 8, 16, 32, -32, -64", err);
 }
@@ -122,12 +116,10 @@ static int read_algorithm(sf_tiling *t, const sf_table *table, shear_error *err)
                                                    SF_GZIP_2, SF_PLIO, SF_HCOMPRESS};
     int chosen = -1;
     const int rc = read_word(table, "ZCMPTYPE", names, &chosen, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (chosen < 0) {
+    if (chosen < 0)
         return bad(table, "ZCMPTYPE is missing", err);
-    }
     t->algorithm = algorithms[chosen];
     return read_bitpix(t, table, err);
 }
@@ -141,9 +133,8 @@ static int read_parameter(const sf_table *table, int i, const char *name, int64_
     snprintf(key, sizeof key, "ZNAME%d", i);
     const int rc = sf_key_string(table->cards, key, &text, err);
     *found = false;
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     if (text != NULL && strcmp(text, name) != 0) {
         const bool old = i == 2 && strcmp(text, "NOISEBIT") == 0; /* files of before 2010 */
         return old ? SHEAR_OK
@@ -157,17 +148,14 @@ static int read_parameter(const sf_table *table, int i, const char *name, int64_
 static int read_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
     bool found = false;
     int rc = read_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (!found || (t->block != 16 && t->block != 32)) {
+    if (!found || (t->block != 16 && t->block != 32))
         return bad(table, "RICE needs ZVAL1 (the block size) 16 or 32", err);
-    }
     t->width = 4;
     rc = read_parameter(table, 2, "BYTEPIX", 1, 4, &t->width, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     return t->width == 4 || (t->bitpix > 0 && t->width != 3)
                ? SHEAR_OK
                : bad(table,
@@ -180,16 +168,13 @@ static int read_hcompress(sf_tiling *t, const sf_table *table, shear_error *err)
     int64_t smooth = 0;
     bool found = false;
     int rc = sf_key_double(table->cards, "ZVAL1", &scale, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
-    if (!found) {
+    if (!found)
         return bad(table, "HCOMPRESS needs ZVAL1 (the scale)", err);
-    }
     rc = read_parameter(table, 2, "SMOOTH", 0, 1, &smooth, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     t->smooth = smooth != 0;
     return t->tile[0] >= 4 && t->tile[1] >= 4 && t->tile[2] == 1
                ? SHEAR_OK
@@ -219,12 +204,10 @@ static int read_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
     for (int i = 0; i < SF_TILE_COLUMNS; i++) {
         const int rc = sf_table_find(table, names[i], &t->column[i], err);
         const sf_column *c = t->column[i];
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
-        if (c == NULL) {
+        if (c == NULL)
             continue;
-        }
         const bool sound =
             i <= SF_RAW_DATA
                 ? is_variable(c, elements[i])
@@ -258,26 +241,21 @@ static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *e
     int word = -1;
     bool found = false;
     int rc = read_word(table, "ZQUANTIZ", words, &word, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     t->seed = 1;
     rc = sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, &found, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     const bool gzip = t->algorithm == SF_GZIP_1 || t->algorithm == SF_GZIP_2;
     const bool scaled = t->column[SF_ZSCALE] != NULL && t->column[SF_ZZERO] != NULL;
-    if (word == 3 && (t->bitpix > 0 || !gzip)) {
+    if (word == 3 && (t->bitpix > 0 || !gzip))
         return bad(table, "ZQUANTIZ 'NONE' needs floating pixels and GZIP", err);
-    }
-    if ((t->column[SF_ZSCALE] != NULL) != (t->column[SF_ZZERO] != NULL)) {
+    if ((t->column[SF_ZSCALE] != NULL) != (t->column[SF_ZZERO] != NULL))
         return bad(table, "there is only one of the columns ZSCALE and ZZERO", err);
-    }
     t->lossless_float = t->bitpix < 0 && (word == 3 || (gzip && !scaled));
-    if (t->bitpix < 0 && !t->lossless_float && !scaled) {
+    if (t->bitpix < 0 && !t->lossless_float && !scaled)
         return bad(table, "floating pixels need GZIP, or the columns ZSCALE and ZZERO", err);
-    }
     t->dither = t->bitpix > 0 || t->lossless_float || word <= 0 ? SF_UNDITHERED
                 : word == 1                                     ? SF_DITHER_1
                                                                 : SF_DITHER_2;
@@ -290,13 +268,11 @@ static int read_scale(sf_tiling *t, const sf_table *table, shear_error *err) {
     t->scale = 1.0;
     t->zero = 0.0;
     int rc = sf_key_double(table->cards, "ZSCALE", &t->scale, &t->has_scale, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     rc = sf_key_double(table->cards, "ZZERO", &t->zero, &has_zero, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     t->has_scale = (t->has_scale || has_zero) && t->column[SF_ZSCALE] == NULL;
     return t->scale != 0.0 ? SHEAR_OK : bad(table, "ZSCALE is 0", err);
 }
@@ -306,9 +282,8 @@ static int read_numbers(sf_tiling *t, const sf_table *table, shear_error *err) {
     for (int i = 0; i < 2 && !t->has_blank; i++) {
         const int rc =
             sf_key_int(table->cards, keys[i], INT32_MIN, INT32_MAX, &t->blank, &t->has_blank, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
     return read_scale(t, table, err);
 }
@@ -327,9 +302,8 @@ int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err) {
     *t = (sf_tiling){.block = 32, .width = 4};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         const int rc = steps[i](t, table, err);
-        if (rc != SHEAR_OK) {
+        if (rc != SHEAR_OK)
             return rc;
-        }
     }
     return SHEAR_OK;
 }

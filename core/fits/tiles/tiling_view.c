@@ -69,9 +69,8 @@ static void show_numbers(const sf_tiling *t, double bscale, double bzero, sf_vie
         sf_view_string(v, "ZQUANTIZ", t->lossless_float ? "NONE" : dithers[t->dither]);
         sf_view_int(v, "ZDITHER0", t->seed);
     }
-    if (t->has_blank) {
+    if (t->has_blank)
         sf_view_int(v, "ZBLANK", t->blank);
-    }
     if (t->has_scale) {
         sf_view_double(v, "ZSCALE", t->scale);
         sf_view_double(v, "ZZERO", t->zero);
@@ -87,9 +86,8 @@ void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, do
     char key[SF_KEY + 16];
     show_primary(view);
     show_table(t, table, view);
-    for (int i = 0; i < table->n; i++) {
+    for (int i = 0; i < table->n; i++)
         show_column(t, &table->columns[i], i, view);
-    }
     sf_view_logical(view, "ZIMAGE", true);
     sf_view_int(view, "ZBITPIX", t->bitpix);
     sf_view_int(view, "ZNAXIS", t->naxis);

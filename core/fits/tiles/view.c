@@ -46,21 +46,18 @@ void sf_view_string(sf_view *v, const char *key, const char *value) {
 
 void sf_view_end(sf_view *v) {
     add(v, "END");
-    while (!v->header.failed && v->header.n % SF_BLOCK_BYTES != 0) {
+    while (!v->header.failed && v->header.n % SF_BLOCK_BYTES != 0)
         add(v, "");
-    }
 }
 
 int sf_view_open(sf_view *v, int number, sf_place at, fitsfile **fits, shear_error *err) {
     *fits = NULL;
-    if (v->header.failed) {
+    if (v->header.failed)
         return sf_fail_memory(err, at);
-    }
     int status = 0;
     int rc = sf_view_driver_open(v, fits, &status, err);
-    if (rc != SHEAR_OK) {
+    if (rc != SHEAR_OK)
         return rc;
-    }
     fits_movabs_hdu(*fits, number + 1, NULL, &status);
     if (status != 0) {
         rc = sf_fail_status(err, at, status, "cannot be opened");
@@ -74,9 +71,8 @@ void sf_view_close(fitsfile *fits) {
     if (fits != NULL) {
         int status = 0;
         fits_close_file(fits, &status);
-        if (status != 0) {
+        if (status != 0)
             fits_clear_errmsg();
-        }
     }
 }
 

@@ -31,9 +31,8 @@ static int registered = -1; /* CFITSIO's status */
 static int claim(const sf_view *v) {
     int slot = -1;
     pthread_mutex_lock(&lock);
-    for (int i = 0; i < MAX_VIEWS && slot < 0; i++) {
+    for (int i = 0; i < MAX_VIEWS && slot < 0; i++)
         slot = slots[i].view == NULL ? i : -1;
-    }
     if (slot >= 0) {
         slots[slot].view = v;
         slots[slot].position = 0;
@@ -58,9 +57,8 @@ static int64_t padded_bytes(const sf_view *v) {
 
 static int on_open(char *name, int mode, int *handle) {
     const long slot = strtol(name, NULL, 10);
-    if (mode != READONLY || slot < 0 || slot >= MAX_VIEWS) {
+    if (mode != READONLY || slot < 0 || slot >= MAX_VIEWS)
         return FILE_NOT_OPENED;
-    }
     *handle = (int)slot;
     return 0;
 }
@@ -92,9 +90,8 @@ static int read_data(const sf_view *v, int64_t from, char *out, int64_t bytes) {
     const int64_t wanted = left < bytes ? left : bytes;
     const ssize_t n =
         io_read_at(v->file->source.fd, out, (size_t)wanted, (off_t)(v->data_offset + from));
-    if (n < wanted) {
+    if (n < wanted)
         return n < 0 ? READ_ERROR : END_OF_FILE;
-    }
     memset(out + wanted, 0, (size_t)(bytes - wanted));
     return 0;
 }
@@ -103,15 +100,13 @@ static int on_read(int handle, void *into, long bytes) {
     const sf_view *v = slots[handle].view;
     int64_t *position = &slots[handle].position;
     char *out = into;
-    if (bytes < 0 || *position < 0 || *position > padded_bytes(v) - bytes) {
+    if (bytes < 0 || *position < 0 || *position > padded_bytes(v) - bytes)
         return END_OF_FILE;
-    }
     const int64_t header_bytes = (int64_t)v->header.n;
     int64_t of_header = header_bytes - *position;
     of_header = of_header < 0 ? 0 : of_header > bytes ? bytes : of_header;
-    if (of_header > 0) {
+    if (of_header > 0)
         memcpy(out, v->header.bytes + *position, (size_t)of_header);
-    }
     const int64_t from = *position + of_header - header_bytes;
     *position += bytes;
     return bytes > of_header ? read_data(v, from, out + of_header, bytes - of_header) : 0;
@@ -135,9 +130,8 @@ int sf_view_driver_open(sf_view *v, fitsfile **fits, int *status, shear_error *e
                           "this CFITSIO is not reentrant, or takes no driver");
     }
     const int slot = claim(v);
-    if (slot < 0) {
+    if (slot < 0)
         return shear_fail(err, SHEAR_E_IO, NULL, "more than %d images are open", MAX_VIEWS);
-    }
     v->slot = slot + 1;
     char name[32];
     snprintf(name, sizeof name, "%s%d", prefix, slot);

@@ -43,13 +43,11 @@ static void move_waiting(clock_watch *w, int64_t wall) {
     shear_error err = {0};
     const store_clock clock = {
         .delta_ms = w->owed_ms, .latest_ms = latest_ms(w, wall), .now_ms = wall};
-    if (group_begin(w->group, &err) != SHEAR_OK) {
+    if (group_begin(w->group, &err) != SHEAR_OK)
         return;
-    }
     clock_move *move = group_then(w->group, moved, 0, sizeof *move);
-    if (move == NULL) {
+    if (move == NULL)
         return;
-    }
     move->watch = w;
     if (store_set_clock(w->group->store, &clock, &err) == SHEAR_OK) {
         move->delta_ms = clock.delta_ms;
@@ -68,9 +66,8 @@ static void follow(clock_watch *w, int64_t offset, int64_t steady) {
     } else {
         w->aged_offset_ms += by;
     }
-    if (offset < w->aged_offset_ms || steady - w->jumped_ms >= believed_ms) {
+    if (offset < w->aged_offset_ms || steady - w->jumped_ms >= believed_ms)
         w->aged_offset_ms = offset;
-    }
     w->offset_ms = offset;
 }
 
@@ -78,9 +75,8 @@ void clock_watch_look(clock_watch *w) {
     const int64_t wall = clock_wall_ms();
     const int64_t steady = clock_steady_ms();
     follow(w, wall - steady, steady);
-    if (w->owed_ms != 0 && !group_is_failing(w->group)) {
+    if (w->owed_ms != 0 && !group_is_failing(w->group))
         move_waiting(w, wall);
-    }
 }
 
 int64_t clock_watch_for_ages(const clock_watch *w) {

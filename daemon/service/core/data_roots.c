@@ -27,9 +27,8 @@ static void look(data_root *r) {
 }
 
 static void list_deinit(root_list *list) {
-    for (size_t i = 0; i < list->n; i++) {
+    for (size_t i = 0; i < list->n; i++)
         free(list->roots[i].path);
-    }
     free(list->roots);
     *list = (root_list){0};
 }
@@ -42,9 +41,8 @@ static bool list_init(root_list *list, size_t n) {
 
 static bool list_add(root_list *list, const char *path) {
     char *copy = strdup(path);
-    if (copy != NULL) {
+    if (copy != NULL)
         list->roots[list->n++].path = copy;
-    }
     return copy != NULL;
 }
 
@@ -66,9 +64,8 @@ int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err) {
     root_list list = {0};
     sheard_msg_root *told = calloc(paths->n + 1, sizeof *told);
     bool good = told != NULL && list_init(&list, paths->n);
-    for (size_t i = 0; good && i < paths->n; i++) {
+    for (size_t i = 0; good && i < paths->n; i++)
         good = list_add(&list, paths->items[i]);
-    }
     if (!good) {
         free(told);
         list_deinit(&list);
@@ -81,9 +78,8 @@ int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err) {
     d->stale = true;
     for (size_t i = 0; i < list.n; i++) {
         look(&list.roots[i]);
-        if (list.roots[i].missing) {
+        if (list.roots[i].missing)
             warn(&list.roots[i]);
-        }
     }
     return SHEAR_OK;
 }
@@ -100,9 +96,8 @@ const sheard_msg_root *data_roots_get(data_roots *d, size_t *n) {
 size_t data_roots_missing(const data_roots *d, const char **list, size_t capacity) {
     size_t n = 0;
     for (size_t i = 0; i < d->known.n && n < capacity; i++) {
-        if (d->known.roots[i].missing) {
+        if (d->known.roots[i].missing)
             list[n++] = d->known.roots[i].reason;
-        }
     }
     return n;
 }
@@ -117,9 +112,8 @@ static void retry_jobs(group *g) {
                ? store_retry_waiting(g->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name,
                                      clock_wall_ms(), &err)
                : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         log_warning("jobs that wait for a data root are tried later: %s", err.message);
-    }
 }
 
 static void update(data_roots *d, data_root *known, const data_root *found) {
@@ -137,34 +131,29 @@ static void update(data_roots *d, data_root *known, const data_root *found) {
 
 static void look_at_all(uv_work_t *work) {
     data_roots *d = work->data;
-    for (size_t i = 0; i < d->looking.n; i++) {
+    for (size_t i = 0; i < d->looking.n; i++)
         look(&d->looking.roots[i]);
-    }
 }
 
 static void looked(uv_work_t *work, int status) {
     data_roots *d = work->data;
     if (status == 0 && !d->stale && !d->life->closing) {
         assert(d->looking.n == d->known.n);
-        for (size_t i = 0; i < d->looking.n; i++) {
+        for (size_t i = 0; i < d->looking.n; i++)
             update(d, &d->known.roots[i], &d->looking.roots[i]);
-        }
     }
     list_deinit(&d->looking);
 }
 
 void data_roots_tick(data_roots *d) {
     d->ticks++;
-    if (d->ticks % EVERY_S != 0 || d->looking.n > 0 || d->known.n == 0 || d->life->closing) {
+    if (d->ticks % EVERY_S != 0 || d->looking.n > 0 || d->known.n == 0 || d->life->closing)
         return;
-    }
     bool good = list_init(&d->looking, d->known.n);
-    for (size_t i = 0; good && i < d->known.n; i++) {
+    for (size_t i = 0; good && i < d->known.n; i++)
         good = list_add(&d->looking, d->known.roots[i].path);
-    }
     d->stale = false;
     d->work.data = d;
-    if (!good || uv_queue_work(d->loop, &d->work, look_at_all, looked) != 0) {
+    if (!good || uv_queue_work(d->loop, &d->work, look_at_all, looked) != 0)
         list_deinit(&d->looking);
-    }
 }

@@ -27,9 +27,8 @@ int64_t descriptors_connections(const sheard_config *config) {
     const int64_t configured = config->limits.connections;
     const int64_t own = sheard_config_own_descriptors(config);
     struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= (rlim_t)(configured + own)) {
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= (rlim_t)(configured + own))
         return configured;
-    }
     const int64_t there_are = (int64_t)limit.rlim_cur;
     const int64_t left = there_are - own;
     return left > there_are / 4 ? left : there_are / 4;

@@ -6,9 +6,8 @@
 #include <sys/stat.h>
 
 int directory_make(const char *path, mode_t mode, shear_error *err) {
-    if (mkdir(path, mode) == 0 || errno == EEXIST) {
+    if (mkdir(path, mode) == 0 || errno == EEXIST)
         return SHEAR_OK;
-    }
     return shear_fail(err, SHEAR_E_IO, "create it, or set another directory",
                       "cannot make the directory '%s': %s", path, strerror(errno));
 }

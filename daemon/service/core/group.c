@@ -11,13 +11,11 @@ static void nothing(uv_idle_t *idle) {
 }
 
 int group_begin(group *g, shear_error *err) {
-    if (g->open) {
+    if (g->open)
         return SHEAR_OK;
-    }
     const int code = store_begin(g->store, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     g->open = true;
     uv_idle_start(&g->commit_now, nothing);
     return SHEAR_OK;
@@ -26,9 +24,8 @@ int group_begin(group *g, shear_error *err) {
 void *group_then(group *g, post_commit_run *run, int64_t job, size_t size) {
     assert(size >= sizeof(post_commit));
     post_commit *post = calloc(1, size);
-    if (post == NULL) {
+    if (post == NULL)
         return NULL;
-    }
     post->run = run;
     post->context = g->hooks.context;
     post->job = job;

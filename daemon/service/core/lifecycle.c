@@ -26,9 +26,8 @@ void lifecycle_announce(service *s) {
 /* ---- draining ---- */
 
 void lifecycle_drain(service *s) {
-    if (s->life.state != SHEARD_SERVER_RUNNING) {
+    if (s->life.state != SHEARD_SERVER_RUNNING)
         return;
-    }
     const sheard_msg_stopping left = lifecycle_get(s);
     s->life.state = SHEARD_SERVER_DRAINING;
     s->life.drain_pending = left.running + left.queued > 0;
@@ -37,9 +36,8 @@ void lifecycle_drain(service *s) {
 
 /* The last job of a drain has ended: tell it, once. */
 static void check_drain(service *s) {
-    if (s->life.state != SHEARD_SERVER_DRAINING || !s->life.drain_pending) {
+    if (s->life.state != SHEARD_SERVER_DRAINING || !s->life.drain_pending)
         return;
-    }
     const sheard_msg_stopping left = lifecycle_get(s);
     if (left.running + left.queued == 0 && group_is_idle(&s->group)) {
         s->life.drain_pending = false;
@@ -53,9 +51,8 @@ static void check_drain(service *s) {
 static void on_drain_end(uv_timer_t *timer) {
     service *s = timer->data;
     const size_t running = s->hooks->running_jobs(s);
-    if (running > 0) {
+    if (running > 0)
         log_notice("the time to drain is over: %zu jobs go on at the next start", running);
-    }
     s->hooks->stop_jobs(s);
 }
 
@@ -67,9 +64,8 @@ void lifecycle_start(service *s) {
 void lifecycle_stop(service *s, double timeout_s) {
     const double seconds =
         isnan(timeout_s) ? 1e-3 * (double)s->config.daemon.drain_timeout_ms : timeout_s;
-    if (s->life.state == SHEARD_SERVER_STOPPING) {
+    if (s->life.state == SHEARD_SERVER_STOPPING)
         return;
-    }
     log_notice("stopping: %zu running jobs have %.0f s to finish", s->hooks->running_jobs(s),
                seconds);
     s->life.state = SHEARD_SERVER_STOPPING;
@@ -90,9 +86,8 @@ void lifecycle_stop_now(service *s) {
 
 static void close_handle(uv_handle_t *handle, void *context) {
     (void)context;
-    if (!uv_is_closing(handle)) {
+    if (!uv_is_closing(handle))
         uv_close(handle, NULL);
-    }
 }
 
 /* The server is gone: close what is left, so that the loop ends. */

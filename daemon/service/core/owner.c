@@ -22,17 +22,15 @@ static int refuse(const char *state_dir, const char *user, shear_error *err) {
 int owner_check(const char *state_dir, const char *installed, const char *user, shear_error *err) {
     struct stat st;
     char number[32];
-    if (geteuid() != 0) {
+    if (geteuid() != 0)
         return SHEAR_OK;
-    }
     if (stat(state_dir, &st) != 0) {
         return strcmp(state_dir, installed) == 0 && getpwnam(user) != NULL
                    ? refuse(state_dir, user, err)
                    : SHEAR_OK;
     }
-    if (st.st_uid == 0) {
+    if (st.st_uid == 0)
         return SHEAR_OK;
-    }
     const struct passwd *owner = getpwuid(st.st_uid);
     snprintf(number, sizeof number, "%lu", (unsigned long)st.st_uid);
     return refuse(state_dir, owner != NULL ? owner->pw_name : number, err);

@@ -4,14 +4,12 @@
 static int lists_init(permissions *p, const sheard_config *c, shear_error *err) {
     int code = access_list_new(&p->admins, c->access.admin_users.items, c->access.admin_users.n,
                                c->access.admin_groups.items, c->access.admin_groups.n, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = access_list_new(&p->submitters, NULL, 0, c->access.submit_groups.items,
                            c->access.submit_groups.n, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     return access_list_new(&p->priority, c->access.priority_users.items, c->access.priority_users.n,
                            c->access.priority_groups.items, c->access.priority_groups.n, err);
 }
@@ -22,9 +20,8 @@ int permissions_init(permissions *p, const sheard_config *c, shear_error *err) {
     code = code == SHEAR_OK ? access_roots_new(&p->roots, c->access.data_roots.items,
                                                c->access.data_roots.n, err)
                             : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         permissions_deinit(p);
-    }
     return code;
 }
 
@@ -55,9 +52,8 @@ size_t permissions_unknown(const permissions *p, const char **list, size_t capac
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
         const char *text = NULL;
         for (size_t i = 0; n < capacity && (text = access_list_unknown(lists[k], i)) != NULL; i++) {
-            if (list != NULL) {
+            if (list != NULL)
                 list[n] = text;
-            }
             n++;
         }
     }

@@ -21,9 +21,8 @@ static problem_note *choose(problem_notes *all, const char *about, const char *c
     problem_note *first = &all->notes[0];
     for (size_t i = 0; i < PROBLEM_NOTES; i++) {
         problem_note *at = &all->notes[i];
-        if (is_of(at, about, code)) {
+        if (is_of(at, about, code))
             return at;
-        }
         first = at->until_ms < first->until_ms ? at : first;
     }
     return first;
@@ -63,18 +62,16 @@ static bool lasts(const problem_note *note) {
 const problem_note *problem_note_find(const problem_notes *all, const char *about,
                                       const char *code) {
     for (size_t i = 0; i < PROBLEM_NOTES; i++) {
-        if (lasts(&all->notes[i]) && is_of(&all->notes[i], about, code)) {
+        if (lasts(&all->notes[i]) && is_of(&all->notes[i], about, code))
             return &all->notes[i];
-        }
     }
     return NULL;
 }
 
 void problem_note_end(problem_notes *all, const char *about) {
     for (size_t i = 0; i < PROBLEM_NOTES; i++) {
-        if (lasts(&all->notes[i]) && is_of(&all->notes[i], about, NULL)) {
+        if (lasts(&all->notes[i]) && is_of(&all->notes[i], about, NULL))
             all->notes[i] = (problem_note){0};
-        }
     }
 }
 

@@ -17,9 +17,8 @@ static int read_quota(const char *group) {
     char *end = text;
     snprintf(path, sizeof path, "%s/cpu.max", group);
     FILE *file = fopen(path, "re");
-    if (file == NULL) {
+    if (file == NULL)
         return 0;
-    }
     const bool got = fgets(text, sizeof text, file) != NULL;
     fclose(file);
     const long long quota = got ? strtoll(text, &end, 10) : 0;
@@ -34,12 +33,10 @@ static bool read_membership(const char *membership, char *path, size_t size) {
     char line[PATH_SIZE];
     bool found = false;
     FILE *file = fopen(membership, "re");
-    while (file != NULL && !found && fgets(line, sizeof line, file) != NULL) {
+    while (file != NULL && !found && fgets(line, sizeof line, file) != NULL)
         found = strncmp(line, "0::/", 4) == 0;
-    }
-    if (file != NULL) {
+    if (file != NULL)
         fclose(file);
-    }
     if (found) {
         line[strcspn(line, "\n")] = '\0';
         snprintf(path, size, "%s", line + 3);
@@ -51,9 +48,8 @@ int processors_quota(const char *membership, const char *top) {
     char path[PATH_SIZE];
     char group[2 * PATH_SIZE];
     int least = 0;
-    if (!read_membership(membership, path, sizeof path)) {
+    if (!read_membership(membership, path, sizeof path))
         return 0;
-    }
     for (bool more = true; more;) {
         snprintf(group, sizeof group, "%.*s%s", PATH_SIZE - 1, top, path);
         const int quota = read_quota(group);

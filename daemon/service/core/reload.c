@@ -39,9 +39,8 @@ static const char **warnings_of(const service *s, size_t *n) {
 void reload_warn_names(const service *s) {
     const char *texts[64];
     const size_t n = permissions_unknown(&s->permissions, texts, sizeof texts / sizeof *texts);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         log_warning("%s", texts[i]);
-    }
 }
 
 void reload_reply_deinit(sheard_msg_reloaded *reply) {
@@ -94,9 +93,8 @@ static int replace_all(service *s, sheard_config *fresh, sheard_msg_reloaded *re
                        shear_error *err) {
     permissions found;
     int code = permissions_init(&found, fresh, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     code = s->hooks->check_reload(s, fresh, err);
     code = code == SHEAR_OK ? replace_config(s, fresh, reply, err) : code;
     if (code != SHEAR_OK) {
@@ -131,9 +129,8 @@ int reload_config(service *s, sheard_msg_reloaded *reply, sheard_rpc_error *erro
         return sheard_rpc_fail(error, SHEARD_RPC_BAD_CONFIG,
                                err.advice[0] != '\0' ? err.advice : NULL, "%s", err.message);
     }
-    if (data_roots_set(&s->roots, &s->config.access.data_roots, &err) != SHEAR_OK) {
+    if (data_roots_set(&s->roots, &s->config.access.data_roots, &err) != SHEAR_OK)
         log_warning("%s", err.message);
-    }
     reload_warn_names(s);
     reply->warnings = warnings_of(s, &reply->n_warnings);
     apply(s);

@@ -29,9 +29,8 @@ void statistics_tick(statistics *st, int64_t stamps, int64_t jobs) {
 
 sheard_msg_rates statistics_rates(const statistics *st) {
     const int64_t span = st->ticks < STATISTICS_SLOTS - 1 ? st->ticks : STATISTICS_SLOTS - 1;
-    if (span <= 0) {
+    if (span <= 0)
         return (sheard_msg_rates){0};
-    }
     const int64_t now = st->ticks % STATISTICS_SLOTS;
     const int64_t then = (st->ticks - span) % STATISTICS_SLOTS;
     return (sheard_msg_rates){
@@ -41,8 +40,7 @@ sheard_msg_rates statistics_rates(const statistics *st) {
 
 int64_t statistics_longest_turn_ns(const statistics *st) {
     int64_t longest = 0;
-    for (int i = 0; i < STATISTICS_SLOTS; i++) {
+    for (int i = 0; i < STATISTICS_SLOTS; i++)
         longest = st->longest_at[i] > longest ? st->longest_at[i] : longest;
-    }
     return longest;
 }

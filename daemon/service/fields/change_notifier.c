@@ -38,9 +38,8 @@ void change_notifier_deinit(change_notifier *n) {
 
 static changed_field *find(const change_notifier *n, const char *name, const char *digest) {
     changed_field *f = n->first;
-    while (f != NULL && (strcmp(f->name, name) != 0 || strcmp(f->digest, digest) != 0)) {
+    while (f != NULL && (strcmp(f->name, name) != 0 || strcmp(f->digest, digest) != 0))
         f = f->next;
-    }
     return f;
 }
 
@@ -51,13 +50,11 @@ void change_notifier_note(service *s, const char *name, const char *digest) {
         f->again = f->being_solved;
         return;
     }
-    if (name == NULL || !server_is_watched(s->server, SHEARD_NOTICE_FIELD_CHANGED, 0, name)) {
+    if (name == NULL || !server_is_watched(s->server, SHEARD_NOTICE_FIELD_CHANGED, 0, name))
         return;
-    }
     f = calloc(1, sizeof *f);
-    if (f == NULL) {
+    if (f == NULL)
         return;
-    }
     *f = (changed_field){.next = n->first,
                          .name = strdup(name),
                          .digest = strdup(digest),
@@ -74,16 +71,13 @@ static bool publish(service *s, const changed_field *f) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     shear_error ignored;
     const int code = store_field_get(s->store, f->name, &page, &ignored);
-    if (code != SHEAR_OK && code != STORE_NOT_FOUND) {
+    if (code != SHEAR_OK && code != STORE_NOT_FOUND)
         return true;
-    }
     for (size_t i = 0; i < page.n; i++) {
-        if (strcmp(page.fields[i].settings_digest, f->digest) != 0) {
+        if (strcmp(page.fields[i].settings_digest, f->digest) != 0)
             continue;
-        }
-        if (!estimates_at_hand(s, &page.fields[i], f->since)) {
+        if (!estimates_at_hand(s, &page.fields[i], f->since))
             return false;
-        }
         s->notifier->publish(s, &page.fields[i], page.n > 1, f->since);
         return true;
     }
@@ -96,9 +90,8 @@ static bool publish(service *s, const changed_field *f) {
 static bool is_told(service *s, changed_field *f) {
     f->round = s->notifier->round;
     f->being_solved = !publish(s, f);
-    if (f->being_solved) {
+    if (f->being_solved)
         return false;
-    }
     const bool told = !f->again;
     f->again = false;
     f->since = estimates_begun(s);

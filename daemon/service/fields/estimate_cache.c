@@ -34,9 +34,8 @@ static void forget(estimate_cache *c, estimate *e) {
 }
 
 void estimate_cache_deinit(estimate_cache *c) {
-    for (estimate *e; (e = TAILQ_FIRST(&c->by_age)) != NULL;) {
+    for (estimate *e; (e = TAILQ_FIRST(&c->by_age)) != NULL;)
         forget(c, e);
-    }
 }
 
 estimate *estimate_cache_find(const estimate_cache *c, const store_field *f) {
@@ -47,9 +46,8 @@ estimate *estimate_cache_find(const estimate_cache *c, const store_field *f) {
 
 static estimate *add(estimate_cache *c, const store_field *f) {
     estimate *e = calloc(1, sizeof *e);
-    if (e == NULL) {
+    if (e == NULL)
         return NULL;
-    }
     e->name = strdup(f->name);
     e->digest = strdup(f->settings_digest);
     if (e->name == NULL || e->digest == NULL || tsearch(e, &c->tree, by_names) == NULL) {
@@ -78,9 +76,8 @@ void estimate_cache_shrink(estimate_cache *c, int64_t needed) {
     while (c->n > KEPT) {
         estimate *oldest = TAILQ_FIRST(&c->by_age);
         assert(oldest != NULL);
-        if (oldest->state != ESTIMATE_IDLE || oldest->requested > needed) {
+        if (oldest->state != ESTIMATE_IDLE || oldest->requested > needed)
             return;
-        }
         forget(c, oldest);
     }
 }

@@ -30,9 +30,8 @@ static int64_t losses(const service *s) {
 
 /* Has it a result that a request with this `since` may have? */
 static bool is_good(const service *s, const estimate *e, const store_field *f, int64_t since) {
-    if (e->number > since) {
+    if (e->number > since)
         return true;
-    }
     return e->number > 0 && e->code == SHEAR_OK && e->jobs == f->jobs && e->losses == losses(s);
 }
 
@@ -52,9 +51,8 @@ static void shrink(estimates *all) {
 static void solve(uv_work_t *work) {
     solving *t = work->data;
     shear_error ignored;
-    if (t->code == SHEAR_OK) {
+    if (t->code == SHEAR_OK)
         t->code = shear_estimate(t->estimator, t->sums, t->terms, &t->result, &ignored);
-    }
 }
 
 /* What the store has of the field now. */
@@ -68,12 +66,10 @@ static int load(service *s, solving *t, shear_error *err) {
             code = shear_field_sums_parse(&t->sums, page.fields[i].sums, err);
         }
     }
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
-    if (t->sums == NULL) {
+    if (t->sums == NULL)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "field '%s' is gone", e->name);
-    }
     code = shear_symmetry_new(&t->terms, err);
     return code == SHEAR_OK ? store_field_terms(s->store, e->name, e->digest, t->terms, err) : code;
 }
@@ -88,9 +84,8 @@ static void wake_pending(service *s, const estimate *e) {
             if (r->waits_for[i] == e) {
                 r->waits_for[i] = NULL;
                 r->left--;
-                if (r->left == 0 && !closing) {
+                if (r->left == 0 && !closing)
                     server_wake(s->server, r->to);
-                }
             }
         }
     }
@@ -126,9 +121,8 @@ static void solve_next(service *s) {
     solving *t = &all->solving;
     estimate *e = TAILQ_FIRST(&all->queue);
     shear_error err = {0};
-    if (t->what != NULL || e == NULL || s->server == NULL || s->life.closing) {
+    if (t->what != NULL || e == NULL || s->server == NULL || s->life.closing)
         return;
-    }
     assert(e->state == ESTIMATE_QUEUED);
     TAILQ_REMOVE(&all->queue, e, queue);
     e->state = ESTIMATE_SOLVING;
@@ -136,9 +130,8 @@ static void solve_next(service *s) {
     *t = (solving){.s = s, .what = e, .estimator = e->estimator, .losses = losses(s)};
     t->work.data = t;
     t->code = load(s, t, &err);
-    if (t->code != SHEAR_OK) {
+    if (t->code != SHEAR_OK)
         log_warning("field '%s' cannot be solved: %s", e->name, err.message);
-    }
     uv_queue_work(&s->loop, &t->work, solve, solved);
 }
 
@@ -157,16 +150,13 @@ static bool want(service *s, const store_field *f, int64_t since, estimate **out
     estimates *all = s->estimates;
     const enum shear_estimator estimator = estimator_of(f);
     *out = NULL;
-    if (f->jobs == 0 || !shear_estimator_is_symmetric(estimator)) {
+    if (f->jobs == 0 || !shear_estimator_is_symmetric(estimator))
         return true;
-    }
     estimate *e = estimate_cache_request(&all->cache, f);
-    if (e == NULL) {
+    if (e == NULL)
         return false;
-    }
-    if (is_good(s, e, f, since)) {
+    if (is_good(s, e, f, since))
         return true;
-    }
     if (e->state == ESTIMATE_IDLE) {
         e->state = ESTIMATE_QUEUED;
         e->estimator = estimator;
@@ -179,9 +169,8 @@ static bool want(service *s, const store_field *f, int64_t since, estimate **out
 bool estimates_at_hand(service *s, const store_field *f, int64_t since) {
     estimate *e = NULL;
     const bool there = !want(s, f, since, &e) || e == NULL;
-    if (e != NULL) {
+    if (e != NULL)
         e->for_notices = true;
-    }
     solve_next(s);
     return there;
 }
@@ -189,9 +178,8 @@ bool estimates_at_hand(service *s, const store_field *f, int64_t since) {
 static pending_request *find_pending(const estimates *all, server_handle to) {
     pending_request *r;
     TAILQ_FOREACH(r, &all->pending, link) {
-        if (r->to.connection == to.connection && r->to.request == to.request) {
+        if (r->to.connection == to.connection && r->to.request == to.request)
             break;
-        }
     }
     return r;
 }
@@ -201,18 +189,16 @@ static pending_request *note_pending(estimates *all, server_handle to, size_t n)
     pending_request *r = find_pending(all, to);
     if (r == NULL) {
         r = calloc(1, sizeof *r);
-        if (r == NULL) {
+        if (r == NULL)
             return NULL;
-        }
         r->to = to;
         r->first = all->cache.requests;
         TAILQ_INSERT_TAIL(&all->pending, r, link);
     }
     assert(r->left == 0);
     estimate **larger = realloc(r->waits_for, (n + 1) * sizeof(estimate *));
-    if (larger == NULL) {
+    if (larger == NULL)
         return NULL;
-    }
     r->waits_for = larger;
     r->n = 0;
     return r;
@@ -220,9 +206,8 @@ static pending_request *note_pending(estimates *all, server_handle to, size_t n)
 
 static bool wait_for(service *s, pending_request *r, const store_field *f, int64_t since) {
     estimate *e;
-    if (!want(s, f, since, &e)) {
+    if (!want(s, f, since, &e))
         return false;
-    }
     if (e != NULL) {
         e->pending++;
         r->waits_for[r->n++] = e;
@@ -234,9 +219,8 @@ static bool wait_for(service *s, pending_request *r, const store_field *f, int64
 enum estimates_answer estimates_request(service *s, server_handle to, const store_field_page *page,
                                         const char *digest, int64_t since) {
     pending_request *r = note_pending(s->estimates, to, page->n);
-    if (r == NULL) {
+    if (r == NULL)
         return ESTIMATES_NO_MEMORY;
-    }
     for (size_t i = 0; i < page->n; i++) {
         const store_field *f = &page->fields[i];
         if ((digest == NULL || strcmp(digest, f->settings_digest) == 0) &&
@@ -278,9 +262,8 @@ static void give_up(estimates *all, estimate *e) {
 static void pending_free(estimates *all, pending_request *r) {
     TAILQ_REMOVE(&all->pending, r, link);
     for (size_t i = 0; i < r->n; i++) {
-        if (r->waits_for[i] != NULL) {
+        if (r->waits_for[i] != NULL)
             give_up(all, r->waits_for[i]);
-        }
     }
     free(r->waits_for);
     free(r);
@@ -295,8 +278,7 @@ void estimates_forget(service *s, server_handle to) {
 }
 
 void estimates_deinit(estimates *all) {
-    for (pending_request *r; (r = TAILQ_FIRST(&all->pending)) != NULL;) {
+    for (pending_request *r; (r = TAILQ_FIRST(&all->pending)) != NULL;)
         pending_free(all, r);
-    }
     estimate_cache_deinit(&all->cache);
 }

@@ -35,25 +35,22 @@ typedef struct purge_slice {
 static purge_waiter *find_waiter(const field_purge *p, int64_t row) {
     purge_waiter *w;
     TAILQ_FOREACH(w, &p->waiters, link) {
-        if (row > w->numbers.last - w->numbers.rows && row <= w->numbers.last) {
+        if (row > w->numbers.last - w->numbers.rows && row <= w->numbers.last)
             break;
-        }
     }
     return w;
 }
 
 static void tell(service *s, const purge_slice *slice) {
     purge_waiter *w = find_waiter(s->purge, slice->row);
-    if (w != NULL) {
+    if (w != NULL)
         w->jobs += slice->jobs;
-    }
     if (w != NULL && slice->over && slice->row == w->numbers.last) {
         TAILQ_REMOVE(&s->purge->waiters, w, link);
         w->done(s, w);
     }
-    if (slice->over) {
+    if (slice->over)
         log_notice("field '%s' is forgotten", slice->field);
-    }
 }
 
 /* They have left on disk, too. */
@@ -63,34 +60,29 @@ static void have_left(post_commit *post, int code, const shear_error *err) {
     const bool left = code == SHEAR_OK;
     (void)err;
     s->purge->under_way = false;
-    if (left) {
+    if (left)
         tell(s, slice);
-    }
-    if (left && !slice->failed) {
+    if (left && !slice->failed)
         field_purge_continue(s);
-    }
     free(slice->field);
 }
 
 static int remove_one(service *s, purge_slice *slice, shear_error *err) {
     CLEANUP(store_removal_deinit) store_removal next = {0};
     int code = store_next_removal(s->store, &next, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (next.forgotten != 0) {
         const bool gone = next.contribution != 0 && catalog_remove_leaving(s, &next);
         code = store_remove(s->store, &next, gone, err);
     }
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     slice->row = next.forgotten;
     slice->jobs += next.kept;
     slice->over = next.contribution == 0;
-    if (slice->over) {
+    if (slice->over)
         slice->field = CLEANUP_TAKE(next.field);
-    }
     return SHEAR_OK;
 }
 
@@ -98,9 +90,8 @@ static int remove_some(service *s, purge_slice *slice, shear_error *err) {
     enum { SLICE_NS = 3000000 };
     const uint64_t end = uv_hrtime() + SLICE_NS;
     int code = group_begin(&s->group, err);
-    while (code == SHEAR_OK && !slice->over && uv_hrtime() < end) {
+    while (code == SHEAR_OK && !slice->over && uv_hrtime() < end)
         code = remove_one(s, slice, err);
-    }
     return code;
 }
 
@@ -114,17 +105,14 @@ static bool is_any_left(const service *s) {
 void field_purge_continue(service *s) {
     enum { SECONDS_MS = 5000 };
     shear_error err = {0};
-    if (s->purge->under_way || s->life.state == SHEARD_SERVER_STOPPING || !is_any_left(s)) {
+    if (s->purge->under_way || s->life.state == SHEARD_SERVER_STOPPING || !is_any_left(s))
         return;
-    }
     purge_slice *slice = group_then(&s->group, have_left, 0, sizeof *slice);
-    if (slice == NULL) {
+    if (slice == NULL)
         return;
-    }
     s->purge->under_way = true;
     const int code = remove_some(s, slice, &err);
     slice->failed = code != SHEAR_OK;
-    if (slice->failed) {
+    if (slice->failed)
         problem_note_add(&s->notes, "store", store_code_name(code), SECONDS_MS, err.message);
-    }
 }

@@ -45,9 +45,8 @@ static int first_plan(const service *s, const store_field *f, sheard_account *fi
         return SHEAR_OK;
     }
     const int code = store_contributions(s->store, f->name, f->settings_digest, 0, 1, &page, err);
-    if (code != SHEAR_OK || page.n == 0) {
+    if (code != SHEAR_OK || page.n == 0)
         return code;
-    }
     read_account(&page.items[0], first);
     first->file.checksum = NULL; /* it may be the page's */
     return SHEAR_OK;
@@ -60,9 +59,8 @@ static int shared_truth(const service *s, const store_field *f, store_truth *tru
     *truth = (store_truth){.known = false};
     if (any) {
         const int code = store_field_truth(s->store, f->name, f->settings_digest, truth, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     for (const active_job *j = s->jobs->first; (j = next_of(j, f)) != NULL; j = j->next) {
         const shear_field_info *info = &j->info;
@@ -109,9 +107,8 @@ static void say(warning_list *w, const shear_result *result, const sheard_accoun
     sheard_advice_all(&w->advice, result, first->file.plan, top_file);
     memcpy(w->lines, w->advice.lines, w->advice.n * sizeof *w->lines);
     w->n = w->advice.n;
-    if (sheard_advice_other_psfs(files, n, first->file.path, w->others, sizeof w->others) != NULL) {
+    if (sheard_advice_other_psfs(files, n, first->file.path, w->others, sizeof w->others) != NULL)
         w->lines[w->n++] = w->others;
-    }
 }
 
 static int write_report(const store_field *f, const shear_settings *settings,
@@ -144,9 +141,8 @@ typedef struct listed {
 } listed;
 
 static void listed_deinit(listed *l) {
-    for (size_t i = 0; i < l->n; i++) {
+    for (size_t i = 0; i < l->n; i++)
         sheard_account_deinit(&l->accounts[i]);
-    }
     free(l->accounts);
     free(l->files);
 }
@@ -154,9 +150,8 @@ static void listed_deinit(listed *l) {
 static int listed_init(listed *l, const store_contribution_page *counted, shear_error *err) {
     *l = (listed){.accounts = calloc(counted->n + 1, sizeof *l->accounts),
                   .files = calloc(counted->n + 1, sizeof *l->files)};
-    if (l->accounts == NULL || l->files == NULL) {
+    if (l->accounts == NULL || l->files == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the files of a field");
-    }
     for (; l->n < counted->n; l->n++) {
         read_account(&counted->items[l->n], &l->accounts[l->n]);
         l->files[l->n] = l->accounts[l->n].file;
@@ -173,9 +168,8 @@ int field_report(const service *s, const store_field *f, const shear_settings *s
     int code = listed_init(&files, counted, err);
     code = code == SHEAR_OK ? shared_truth(s, f, &truth, err) : code;
     code = code == SHEAR_OK ? first_plan(s, f, &first, err) : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     CLEANUP(release_free) char *top_file = find_top_file(s, f, result);
     return write_report(f, settings, result, &first, &truth, top_file, files.files, files.n, text,
                         err);

@@ -12,9 +12,8 @@ static int result_of(service *s, const store_field *f, const shear_settings *set
                      const shear_field_sums *sums, int64_t since, shear_result *out, int64_t *jobs,
                      shear_error *err) {
     *jobs = f->jobs;
-    if (shear_estimator_is_symmetric(settings->estimator)) {
+    if (shear_estimator_is_symmetric(settings->estimator))
         return estimates_get(s, f, sums, since, out, jobs, err);
-    }
     shear_field_result(sums, out);
     return SHEAR_OK;
 }
@@ -25,13 +24,11 @@ static void add_running(service *s, const store_field *f, shear_field_sums *sums
                         field_result *out) {
     for (const active_job *j = s->jobs->first; j != NULL && out->n_running < SHEARD_MSG_LIST_MAX;
          j = j->next) {
-        if (!active_job_is_of(j, f->name, f->settings_digest)) {
+        if (!active_job_is_of(j, f->name, f->settings_digest))
             continue;
-        }
         out->running[out->n_running++] = j->id;
-        if (partial) {
+        if (partial)
             engine_partial(s->engine, j->id, sums);
-        }
     }
 }
 
@@ -39,15 +36,13 @@ int field_result_now(service *s, const store_field *f, const shear_settings *set
                      int64_t since, field_result *out, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     *out = (field_result){.running = calloc(SHEARD_MSG_LIST_MAX, sizeof *out->running)};
-    if (out->running == NULL) {
+    if (out->running == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
     const int code = f->sums != NULL && f->sums[0] != '\0'
                          ? shear_field_sums_parse(&sums, f->sums, err)
                          : shear_field_sums_new(&sums, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     add_running(s, f, sums, !shear_estimator_is_symmetric(settings->estimator), out);
     return result_of(s, f, settings, sums, since, &out->result, &out->jobs, err);
 }
@@ -70,9 +65,8 @@ int field_result_counted(service *s, const store_field *f, int64_t since, shear_
 
 static store_field *find_row(const store_field_page *page, const char *digest) {
     for (size_t i = 0; i < page->n; i++) {
-        if (strcmp(page->fields[i].settings_digest, digest) == 0) {
+        if (strcmp(page->fields[i].settings_digest, digest) == 0)
             return &page->fields[i];
-        }
     }
     return NULL;
 }
@@ -81,13 +75,11 @@ static int add_row(store_field_page *page, const char *name, const active_job *j
                    shear_error *err) {
     char settings[SHEARD_MSG_SETTINGS_SIZE];
     const int code = sheard_settings_write(&j->settings, settings, sizeof settings, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     store_field *larger = realloc(page->fields, (page->n + 1) * sizeof *larger);
-    if (larger == NULL) {
+    if (larger == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the rows of a field");
-    }
     page->fields = larger;
     store_field *f = &larger[page->n++];
     *f = (store_field){.name = strdup(name),
@@ -103,19 +95,16 @@ int field_result_add_rows(const service *s, const char *name, store_field_page *
                           shear_error *err) {
     const size_t counted = page->n;
     for (const active_job *j = s->jobs->first; j != NULL; j = j->next) {
-        if (!active_job_is_of(j, name, NULL)) {
+        if (!active_job_is_of(j, name, NULL))
             continue;
-        }
         if (find_row(page, j->digest) == NULL) {
             const int code = add_row(page, name, j, err);
-            if (code != SHEAR_OK) {
+            if (code != SHEAR_OK)
                 return code;
-            }
         }
         store_field *f = find_row(page, j->digest);
-        if (f >= page->fields + counted) {
+        if (f >= page->fields + counted)
             f->unfinished++;
-        }
     }
     return SHEAR_OK;
 }

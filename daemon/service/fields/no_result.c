@@ -11,12 +11,10 @@
 #include <math.h>
 
 const char *no_result_brief(const store_field *f, const shear_result *r) {
-    if (r->valid) {
+    if (r->valid)
         return NULL;
-    }
-    if (f->jobs == 0 && r->n_stamps == 0) {
+    if (f->jobs == 0 && r->n_stamps == 0)
         return "nothing is counted yet";
-    }
     const char *brief = sheard_no_shear_brief(r);
     return brief != NULL ? brief : "there is no result";
 }
@@ -32,9 +30,8 @@ static int look_at(no_result *r, store *s, const store_contribution *c, shear_er
     shear_result own;
     int code = store_contribution_sums(s, c->id, &text, err);
     code = code == SHEAR_OK ? shear_field_sums_parse(&sums, text, err) : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     shear_field_result(sums, &own);
     shear_field_sums_free(sums);
     const bool to_blame = own.n_used > 0 && !(own.sum_d > 0.0 && isfinite(own.sum_d));
@@ -59,9 +56,8 @@ static bool look_at_some(no_result *r, store *s, const store_field *f) {
     }
     for (size_t i = 0; i < page.n; i++) {
         r->seen = page.items[i].id;
-        if (look_at(r, s, &page.items[i], &ignored) != SHEAR_OK) {
+        if (look_at(r, s, &page.items[i], &ignored) != SHEAR_OK)
             return false;
-        }
     }
     return page.more;
 }
@@ -72,15 +68,12 @@ static char *file_of(store *s, int64_t id) {
     CLEANUP(sheard_source_deinit) sheard_msg_source source = {0};
     shear_error ignored;
     sheard_rpc_error error;
-    if (store_job_get(s, id, &job, &ignored) != SHEAR_OK) {
+    if (store_job_get(s, id, &job, &ignored) != SHEAR_OK)
         return NULL;
-    }
-    if (spooled_file_is_field(&job)) {
+    if (spooled_file_is_field(&job))
         return strdup(job.dropped);
-    }
-    if (sheard_source_parse(&source, job.source, &error) != SHEARD_RPC_OK) {
+    if (sheard_source_parse(&source, job.source, &error) != SHEARD_RPC_OK)
         source = (sheard_msg_source){0};
-    }
     const char *path = source.path != NULL ? source.path : source.galaxy.path;
     return path != NULL ? strdup(path) : NULL;
 }
@@ -110,12 +103,10 @@ void no_result_begin(no_result *r, const store_field *f, const shear_result *res
 
 bool no_result_look(no_result *r, store *s, const store_field *f) {
     const bool blames = f->jobs > 0 && r->n_used >= 2;
-    if (r->done) {
+    if (r->done)
         return true;
-    }
-    if (blames && look_at_some(r, s, f)) {
+    if (blames && look_at_some(r, s, f))
         return false;
-    }
     r->file = r->contribution != 0 ? file_of(s, r->job) : NULL;
     r->text = text_of(r);
     r->done = true;

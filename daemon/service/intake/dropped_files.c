@@ -32,13 +32,11 @@ static void submitted(post_commit *post, int code, const shear_error *err) {
         file_disposal_put_off(s, file->active_name, store_code_name(code), err->message);
         return;
     }
-    if (store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK) {
+    if (store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK)
         return;
-    }
     file_disposal_end(s, &job);
-    if (!store_state_is_final(job.state)) {
+    if (!store_state_is_final(job.state))
         job_message_publish(s, &job);
-    }
 }
 
 /* This file is that job, once the group is on disk. */
@@ -73,9 +71,8 @@ static void submit(service *s, const spool_file *file, const submission *sub) {
 static bool is_known(service *s, const spool_file *file) {
     shear_error err = {0};
     int64_t id = 0;
-    if (!file->again) {
+    if (!file->again)
         return false;
-    }
     int code = group_begin(&s->group, &err);
     code = code == SHEAR_OK
                ? store_find_dropped(s->store, file->owner, file->key, file->name, &id, &err)
@@ -84,9 +81,8 @@ static bool is_known(service *s, const spool_file *file) {
         file_disposal_put_off(s, file->active_name, store_code_name(code), err.message);
         return true;
     }
-    if (id != 0) {
+    if (id != 0)
         follow(s, file, id);
-    }
     return id != 0;
 }
 
@@ -98,12 +94,10 @@ static int read_job_file(const service *s, const spool_file *file, char **text, 
     CLEANUP(release_fd) int fd = -1;
     shear_error err = {0};
     *text = malloc(SHEARD_MSG_JOB_FILE_MAX + 1);
-    if (*text == NULL) {
+    if (*text == NULL)
         return sheard_rpc_fail(error, SHEARD_RPC_IO, NULL, "out of memory");
-    }
-    if (spool_open_file(s->spool, file->active_name, &fd, &err) != SHEAR_OK) {
+    if (spool_open_file(s->spool, file->active_name, &fd, &err) != SHEAR_OK)
         return sheard_rpc_fail(error, SHEARD_RPC_IO, NULL, "%s", err.message);
-    }
     const ssize_t got = io_read(fd, *text, SHEARD_MSG_JOB_FILE_MAX + 1);
     if (got > SHEARD_MSG_JOB_FILE_MAX) {
         return sheard_rpc_fail(error, SHEARD_RPC_LINE_TOO_LONG, "write a smaller job file",
@@ -168,9 +162,8 @@ static void submit_field(service *s, const spool_file *file) {
 
 static void on_found(void *context, const spool_file *file) {
     service *s = context;
-    if (is_known(s, file)) {
+    if (is_known(s, file))
         return;
-    }
     if (spooled_file_is_job_file(file->name)) {
         submit_job_file(s, file);
     } else {

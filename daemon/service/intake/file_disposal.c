@@ -38,9 +38,8 @@ static void move(service *s, const char *active_name, bool good, const sheard_ms
         code = spool_dispose(s->spool, active_name, good, text, &again, &err);
         *place = again.name[0] != '\0' ? again : *place;
     }
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         file_disposal_put_off(s, active_name, store_code_name(code), err.message);
-    }
 }
 
 /* Where it lies is a help, not part of the job: that it could not be kept is no failure. */
@@ -57,17 +56,15 @@ static void keep_place(service *s, store_job *job, const spool_place *place) {
     code = code == SHEAR_OK
                ? store_set_disposal(s->store, job->id, place->name, place->fingerprint, &err)
                : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         log_warning("job %" PRId64 ": where its file lies is not kept: %s", job->id, err.message);
-    }
 }
 
 void file_disposal_end(service *s, store_job *job) {
     char name[SPOOL_NAME_SIZE];
     spool_place place = {.name = ""};
-    if (s->spool == NULL || !store_state_is_final(job->state) || !spooled_file_name(job, name)) {
+    if (s->spool == NULL || !store_state_is_final(job->state) || !spooled_file_name(job, name))
         return;
-    }
     sheard_msg_side side = {.file = job->dropped,
                             .state = (enum sheard_job_state)job->state,
                             .code = job->state == STORE_DONE ? NULL : job->code,

@@ -40,9 +40,8 @@ static int put(service *s, const submission *sub, const sheard_msg_source *named
         sheard_settings_digest(settings, digest, hex, sizeof hex, &err) != SHEAR_OK) {
         return sheard_rpc_fail(error, SHEARD_RPC_BAD_SETTING, NULL, "%s", err.message);
     }
-    if (sheard_source_text(&source, named, error) != SHEARD_RPC_OK) {
+    if (sheard_source_text(&source, named, error) != SHEARD_RPC_OK)
         return error->code;
-    }
     const store_spec spec = {.field = sub->submit->field,
                              .source = source,
                              .settings = text,
@@ -68,12 +67,10 @@ static int put_clients(service *s, const submission *sub, const shear_settings *
     CLEANUP(release_free) char *groups = NULL;
     shear_error err = {0};
     const int code = check_files(s, sub, &files, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
-    if (access_peer_groups_text(&sub->peer, &groups, &err) != SHEAR_OK) {
+    if (access_peer_groups_text(&sub->peer, &groups, &err) != SHEAR_OK)
         return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "%s", err.message);
-    }
     return put(s, sub, &files.named, groups, settings, id, known, error);
 }
 
@@ -81,9 +78,8 @@ int submission_store(service *s, const submission *sub, int64_t *id, bool *known
                      sheard_rpc_error *error) {
     shear_settings settings = s->config.measure;
     shear_error err = {0};
-    if (sheard_settings_apply(&settings, sub->submit->settings, &err) != SHEAR_OK) {
+    if (sheard_settings_apply(&settings, sub->submit->settings, &err) != SHEAR_OK)
         return sheard_rpc_fail(error, SHEARD_RPC_BAD_SETTING, err.advice, "%s", err.message);
-    }
     if (sub->submit->priority > 0 && !permissions_may_give_priority(&s->permissions, &sub->peer)) {
         sheard_rpc_fail(error, SHEARD_RPC_PRIORITY_NOT_ALLOWED, NULL,
                         "'priority': you may give 0 and below, not %lld ([access] priority_users, "

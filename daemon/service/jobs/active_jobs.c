@@ -9,15 +9,13 @@
 #include <string.h>
 
 void active_jobs_deinit(active_jobs *all) {
-    while (all->first != NULL) {
+    while (all->first != NULL)
         active_jobs_remove(all, all->first);
-    }
 }
 
 void active_job_free(active_job *j) {
-    if (j == NULL) {
+    if (j == NULL)
         return;
-    }
     free(j->path);
     free(j->field);
     free(j->digest);
@@ -27,9 +25,8 @@ void active_job_free(active_job *j) {
 int active_job_new(active_job **out, const store_job *job, shear_error *err) {
     active_job *j = calloc(1, sizeof *j);
     *out = NULL;
-    if (j == NULL) {
+    if (j == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
     *j = (active_job){.id = job->id,
                       .failures = job->failures,
                       .started_ms = clock_steady_ms(),
@@ -57,9 +54,8 @@ void active_jobs_add(active_jobs *all, active_job *j) {
 
 active_job *active_jobs_find(active_jobs *all, int64_t id) {
     active_job *j = all->first;
-    while (j != NULL && j->id != id) {
+    while (j != NULL && j->id != id)
         j = j->next;
-    }
     return j;
 }
 

@@ -53,9 +53,8 @@ int catalog_directory_visit(service *s, const char *path, catalog_visitor *visit
     for (const struct dirent *e; (e = readdir(directory)) != NULL;) {
         bool part = false;
         const int64_t job = job_of(e->d_name, &part);
-        if (job > 0) {
+        if (job > 0)
             visit(s, job, part, context);
-        }
     }
     closedir(directory);
     return SHEAR_OK;
@@ -72,9 +71,8 @@ static char *mark_path(const char *directory) {
 static int read_mark(const char *path, char text[MARK_SIZE]) {
     CLEANUP(release_fd) const int fd = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     const ssize_t n = fd >= 0 ? io_read(fd, text, MARK_SIZE - 1) : -1;
-    if (n < 0) {
+    if (n < 0)
         return errno;
-    }
     text[n] = '\0';
     text[strcspn(text, "\n")] = '\0';
     return 0;
@@ -94,9 +92,8 @@ static int write_mark(const char *identity, const char *directory, const char *p
     unlink(temporary);
     const int fd = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
     int error = fd >= 0 ? io_finish(fd, io_write(fd, text, strlen(text))) : errno;
-    if (error == 0 && link(temporary, path) != 0) {
+    if (error == 0 && link(temporary, path) != 0)
         error = errno;
-    }
     unlink(temporary);
     return error == 0 ? sync_directory(directory) : error;
 }
@@ -105,9 +102,8 @@ bool catalog_directory_is_since_mark(const char *directory, const char *path) {
     CLEANUP(release_free) char *mark = mark_path(directory);
     struct stat marked;
     struct stat st;
-    if (mark == NULL || stat(mark, &marked) != 0 || stat(path, &st) != 0) {
+    if (mark == NULL || stat(mark, &marked) != 0 || stat(path, &st) != 0)
         return false;
-    }
     return st.st_ctim.tv_sec > marked.st_mtim.tv_sec ||
            (st.st_ctim.tv_sec == marked.st_mtim.tv_sec &&
             st.st_ctim.tv_nsec >= marked.st_mtim.tv_nsec);
@@ -148,9 +144,8 @@ static void count(service *s, int64_t id, bool part, void *context) {
     shear_error ignored;
     c->any = true;
     c->strange = id > c->last_job ? id : c->strange;
-    if (path == NULL || store_job_get(s->store, id, &job, &ignored) != SHEAR_OK) {
+    if (path == NULL || store_job_get(s->store, id, &job, &ignored) != SHEAR_OK)
         return;
-    }
     const bool known = part ? !store_state_is_final(job.state)
                             : job.catalog != NULL && same_file(job.catalog, path);
     c->known += known;
@@ -174,17 +169,15 @@ static int claim_unmarked(service *s, const char *directory, const char *mark, s
     directory_content c = {.directory = directory};
     int code = store_last_job(s->store, &c.last_job, err);
     code = code == SHEAR_OK ? catalog_directory_visit(s, directory, count, &c, err) : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     if (c.strange != 0) {
         snprintf(why, sizeof why,
                  "there is one of a job %" PRId64 ", which this one has not had yet", c.strange);
         return fail_foreign(s, directory, why, err);
     }
-    if (c.any && c.known == 0) {
+    if (c.any && c.known == 0)
         return fail_foreign(s, directory, "this one tells of none of them", err);
-    }
     const int error = write_mark(store_identity(s->store), directory, mark);
     if (error == EEXIST) {
         return fail_foreign(s, directory, "another service takes the directory at this moment",
@@ -199,17 +192,14 @@ int catalog_directory_claim(service *s, const char *directory, shear_error *err)
     char text[MARK_SIZE];
     char why[160];
     CLEANUP(release_free) char *mark = mark_path(directory);
-    if (mark == NULL) {
+    if (mark == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for the catalogs' mark");
-    }
     const int code = directory_make(directory, 0750, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     const int error = read_mark(mark, text);
-    if (error == ENOENT) {
+    if (error == ENOENT)
         return claim_unmarked(s, directory, mark, err);
-    }
     if (error != 0) {
         return shear_fail(err, SHEAR_E_IO, "let the service read that file", "%s: %s", mark,
                           strerror(error));
@@ -228,13 +218,11 @@ int catalog_directory_claim(service *s, const char *directory, shear_error *err)
 static void remove_begun_marks(const char *path) {
     const size_t n = sizeof mark_name - 1;
     DIR *directory = opendir(path);
-    if (directory == NULL) {
+    if (directory == NULL)
         return;
-    }
     for (const struct dirent *e; (e = readdir(directory)) != NULL;) {
-        if (strncmp(e->d_name, mark_name, n) == 0 && e->d_name[n] == '.') {
+        if (strncmp(e->d_name, mark_name, n) == 0 && e->d_name[n] == '.')
             unlinkat(dirfd(directory), e->d_name, 0);
-        }
     }
     closedir(directory);
 }

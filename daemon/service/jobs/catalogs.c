@@ -19,9 +19,8 @@ char *catalog_path(const service *s, int64_t job) {
 
 static void remove_part(const char *path, int64_t job) {
     shear_error err = {0};
-    if (shear_catalog_discard(path, &err) != SHEAR_OK) {
+    if (shear_catalog_discard(path, &err) != SHEAR_OK)
         log_warning("job %" PRId64 ": %s", job, err.message);
-    }
 }
 
 static void remove_final(const char *path, int64_t job) {
@@ -34,9 +33,8 @@ static void remove_final(const char *path, int64_t job) {
 
 void catalog_forget(const service *s, const store_job *job) {
     CLEANUP(release_free) char *path = catalog_path(s, job->id);
-    if (path == NULL) {
+    if (path == NULL)
         return;
-    }
     remove_part(path, job->id);
     if (job->catalog == NULL && job->started_ms != 0 &&
         catalog_directory_is_since_mark(s->config.catalogs.directory, path)) {
@@ -59,9 +57,8 @@ static bool remove_retracted(const service *s, int64_t id, const char *path, boo
 }
 
 bool catalog_remove_leaving(const service *s, const store_removal *l) {
-    if (l->kept) {
+    if (l->kept)
         return l->catalog == NULL || remove_retracted(s, l->job, l->catalog, true);
-    }
     CLEANUP(release_free)
     char *path = catalog_directory_path(s->config.catalogs.directory, l->job);
     return path == NULL || remove_retracted(s, l->job, path, false);
@@ -71,9 +68,8 @@ bool catalog_remove_leaving(const service *s, const store_removal *l) {
 static int remove_next_retracted(service *s, int64_t *id, shear_error *err) {
     CLEANUP(release_free) char *path = NULL;
     int code = store_next_leftover(s->store, *id, id, &path, err);
-    if (code != SHEAR_OK || *id == 0 || !remove_retracted(s, *id, path, true)) {
+    if (code != SHEAR_OK || *id == 0 || !remove_retracted(s, *id, path, true))
         return code;
-    }
     code = group_begin(&s->group, err);
     return code == SHEAR_OK ? store_catalog_gone(s->store, *id, err) : code;
 }
@@ -85,9 +81,8 @@ void catalogs_remove_retracted(service *s) {
     do {
         code = remove_next_retracted(s, &id, &err);
     } while (code == SHEAR_OK && id != 0);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         log_warning("catalogs of retracted jobs: %s", err.message);
-    }
 }
 
 /* ---- the start ---- */
@@ -115,14 +110,12 @@ static void clean_up(service *s, int64_t id, bool part, void *context) {
 
 int catalogs_open(service *s, shear_error *err) {
     const char *directory = s->config.catalogs.directory;
-    if (!s->config.catalogs.enabled) {
+    if (!s->config.catalogs.enabled)
         return SHEAR_OK;
-    }
     int code = catalog_directory_claim(s, directory, err);
     code = code == SHEAR_OK ? catalog_directory_visit(s, directory, clean_up, NULL, err) : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     catalog_directory_renew_mark(directory);
     return SHEAR_OK;
 }

@@ -32,9 +32,8 @@ static void tell_name(post_commit *post, int code, const shear_error *err) {
 /* Where the job was given no field's name, it is the file's. */
 static int name_field(active_job *j, const engine_event *e, shear_error *err) {
     const int code = shear_field_need_name(&e->info, j->path, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     j->field = strdup(e->info.name);
     return j->field != NULL ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
 }
@@ -44,9 +43,8 @@ static int name_field(active_job *j, const engine_event *e, shear_error *err) {
 static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
     shear_symmetry *terms = NULL;
     shear_error err = {0};
-    if (!shear_estimator_is_symmetric(j->settings.estimator)) {
+    if (!shear_estimator_is_symmetric(j->settings.estimator))
         return NULL;
-    }
     int code = shear_symmetry_new(&terms, &err);
     code = code == SHEAR_OK ? store_checkpoint_load_terms(s->store, j->id, terms, &err) : code;
     if (code != SHEAR_OK) {
@@ -116,9 +114,8 @@ static void opened(service *s, active_job *j, const engine_event *e) {
         end_as_duplicate(s, j);
         return;
     }
-    if (named_by_file) {
+    if (named_by_file)
         group_then(&s->group, tell_name, j->id, sizeof(post_commit));
-    }
     j->failed_commits = s->group.failed_commits;
     measure(s, j);
 }
@@ -142,14 +139,12 @@ static int finish(service *s, const active_job *j, const store_work *work, shear
     store_finished end;
     int64_t ignored = 0;
     int code = group_begin(&s->group, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     /* A commit failed since the job was opened, and with it, it may be, what the store was told of
      * its input then. */
-    if (j->failed_commits != s->group.failed_commits) {
+    if (j->failed_commits != s->group.failed_commits)
         code = set_input(s, j, &ignored, err);
-    }
     return code == SHEAR_OK ? store_finish(s->store, j->id, work, &end, err) : code;
 }
 
@@ -213,9 +208,8 @@ static void process(service *s, const engine_event *e) {
         job_outcome_fail(s, j->id, j->failures, job_outcome_reason(&e->error), &e->error);
         break;
     default:
-        if (!j->ended) {
+        if (!j->ended)
             stopped(s, j);
-        }
         break;
     }
     active_jobs_remove(s->jobs, j);

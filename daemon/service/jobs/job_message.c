@@ -33,9 +33,8 @@ static const sheard_msg_progress no_progress = {
 /* What a job that runs now is at; false, and nothing is changed, where it does not. */
 static bool get_running(service *s, const active_job *j, sheard_msg_progress *p) {
     engine_progress at;
-    if (j == NULL || !engine_get_progress(s->engine, j->id, &at)) {
+    if (j == NULL || !engine_get_progress(s->engine, j->id, &at))
         return false;
-    }
     p->phase = phase_of(&at);
     if (at.stage == ENGINE_HASHING) {
         p->bytes_done = at.hashed;
@@ -95,9 +94,8 @@ void job_to_message(service *s, const store_job *job, sheard_msg_job *out) {
                          .catalog = job->state != STORE_RETRACTED ? job->catalog : NULL,
                          .dropped_name = job->dropped,
                          .file_now = spooled_file_where(s->spool, s->config.spool.directory, job)};
-    if (sheard_source_parse(&out->source, job->source, &ignored) != SHEARD_RPC_OK) {
+    if (sheard_source_parse(&out->source, job->source, &ignored) != SHEARD_RPC_OK)
         out->source = (sheard_msg_source){0};
-    }
     get_progress(s, job, &out->progress);
 }
 
@@ -109,9 +107,8 @@ void job_message_deinit(sheard_msg_job *out) {
 }
 
 void job_message_publish(service *s, const store_job *job) {
-    if (!server_is_watched(s->server, SHEARD_NOTICE_JOB_CHANGED, job->id, job->field)) {
+    if (!server_is_watched(s->server, SHEARD_NOTICE_JOB_CHANGED, job->id, job->field))
         return;
-    }
     sheard_notice_params params = {0};
     job_to_message(s, job, &params.job_changed.job);
     params.job_changed.job.result = NULL;

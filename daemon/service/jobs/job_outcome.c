@@ -39,9 +39,8 @@ static void tell_final(service *s, const store_job *job) {
     const bool failed = job->state == STORE_FAILED;
     s->jobs->ended++;
     job_outcome_tell(s, job);
-    if (job->outcome == STORE_COUNTED) {
+    if (job->outcome == STORE_COUNTED)
         s->jobs->hooks->counted(s, job);
-    }
     log_info("job %" PRId64 " (%s): %s%s%s", job->id,
              job->field != NULL ? job->field : "field unknown", store_state_name(job->state),
              failed ? ": " : "", failed && job->message != NULL ? job->message : "");
@@ -58,17 +57,14 @@ static void settled(post_commit *post, int code, const shear_error *err) {
         s->jobs->may_have_orphans = true;
         return;
     }
-    if (store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK) {
+    if (store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK)
         return;
-    }
     s->jobs->hooks->dispose_file(s, &job);
     job_message_publish(s, &job);
-    if (job.state == STORE_WAITING) {
+    if (job.state == STORE_WAITING)
         note_waiting(s, &job);
-    }
-    if (store_state_is_final(job.state)) {
+    if (store_state_is_final(job.state))
         tell_final(s, &job);
-    }
 }
 
 void job_outcome_settle(service *s, int64_t id) {
@@ -129,12 +125,10 @@ static int64_t retry_at(const service *s, const failure_reason *reason, int64_t 
                         int64_t now) {
     const int64_t most = s->config.retry.max_delay_ms;
     int64_t delay = s->config.retry.first_delay_ms;
-    if (is_last(s, reason, failures)) {
+    if (is_last(s, reason, failures))
         return STORE_NEVER;
-    }
-    for (int64_t i = 0; i < failures && delay < most; i++) {
+    for (int64_t i = 0; i < failures && delay < most; i++)
         delay *= 2;
-    }
     return now + (delay < most ? delay : most);
 }
 

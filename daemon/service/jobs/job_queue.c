@@ -44,9 +44,8 @@ static int open_and_give(service *s, const store_job *job, active_job *j, failur
         return code;
     }
     code = give(s, job, j, &o, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         *reason = job_outcome_reason(err);
-    }
     return code;
 }
 
@@ -91,9 +90,8 @@ static int release(service *s, int64_t id, shear_error *err) {
     enum store_state state = STORE_QUEUED;
     int code = group_begin(&s->group, err);
     code = code == SHEAR_OK ? store_release(s->store, id, clock_wall_ms(), &state, err) : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     log_notice("job %" PRId64 " is queued again", id);
     job_outcome_settle(s, id);
     return SHEAR_OK;
@@ -107,9 +105,8 @@ static void release_orphans(service *s) {
     shear_error err = {0};
     int code = store_jobs(s->store, &running, STORE_PAGE_MAX, &page, &err);
     for (size_t i = 0; code == SHEAR_OK && i < page.n; i++) {
-        if (active_jobs_find(s->jobs, page.jobs[i].id) == NULL) {
+        if (active_jobs_find(s->jobs, page.jobs[i].id) == NULL)
             code = release(s, page.jobs[i].id, &err);
-        }
     }
     s->jobs->may_have_orphans = code != SHEAR_OK;
 }
@@ -121,9 +118,8 @@ static bool has_next(service *s) {
     store_counts counts;
     shear_error ignored;
     int64_t due = 0;
-    if (store_count(s->store, &counts, &ignored) != SHEAR_OK) {
+    if (store_count(s->store, &counts, &ignored) != SHEAR_OK)
         return false;
-    }
     return counts.jobs[STORE_QUEUED] > 0 ||
            (store_next_due(s->store, &due, &ignored) == SHEAR_OK && due <= clock_wall_ms());
 }
@@ -147,12 +143,10 @@ static bool mark_next(service *s) {
 void job_queue_fill(service *s) {
     const active_jobs *jobs = s->jobs;
     clock_watch_look(&s->clock);
-    if (group_is_failing(&s->group)) {
+    if (group_is_failing(&s->group))
         return;
-    }
-    if (jobs->may_have_orphans && jobs->marked == 0) {
+    if (jobs->may_have_orphans && jobs->marked == 0)
         release_orphans(s);
-    }
     while (s->life.state != SHEARD_SERVER_STOPPING &&
            jobs->n + jobs->marked < (size_t)s->config.daemon.max_active_jobs && has_next(s) &&
            mark_next(s)) {
@@ -160,7 +154,6 @@ void job_queue_fill(service *s) {
 }
 
 void job_queue_stop_all(service *s) {
-    for (const active_job *j = s->jobs->first; j != NULL; j = j->next) {
+    for (const active_job *j = s->jobs->first; j != NULL; j = j->next)
         engine_stop_job(s->engine, j->id);
-    }
 }

@@ -14,9 +14,8 @@
 int source_files_check_size(const service *s, int fd, const char *name, shear_error *err) {
     const int64_t most = s->config.reader.max_file_bytes;
     struct stat st;
-    if (fd < 0 || fstat(fd, &st) != 0 || st.st_size <= most) {
+    if (fd < 0 || fstat(fd, &st) != 0 || st.st_size <= most)
         return SHEAR_OK;
-    }
     return shear_fail(err, JOB_SOURCE_E_TOO_LARGE,
                       "split the file, or have [reader] max_file_bytes raised",
                       "%.300s: has %lld bytes, and [reader] max_file_bytes allows %lld", name,
@@ -46,14 +45,12 @@ int source_files_open(const service *s, const access_peer *peer, const sheard_ms
     }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         *part = i;
-        if (wanted[i]->path == NULL) {
+        if (wanted[i]->path == NULL)
             continue;
-        }
         const int code = open_file(s, peer, wanted[i]->path, files, i, err);
         *named[i] = (sheard_msg_image){files->paths[i], wanted[i]->hdu, wanted[i]->extname};
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return SHEAR_OK;
 }
@@ -115,9 +112,8 @@ static int open_spooled(const service *s, const store_job *job, const char *acti
         return fail_as(o, SHEAR_E_NOMEM, STORE_TRANSIENT, SHEARD_RPC_IO);
     }
     o->input = shear_input_of_file(o->files.paths[0]);
-    if (s->spool == NULL) {
+    if (s->spool == NULL)
         return fail_as(o, spooled_file_no_spool(job, err), STORE_TRANSIENT, SHEARD_RPC_IO);
-    }
     int code = spool_open_file(s->spool, active_name, &o->files.fds[0], err);
     code = code == SHEAR_OK ? source_files_check_size(s, o->files.fds[0], o->files.paths[0], err)
                             : code;

@@ -28,9 +28,8 @@ static const code_pair access_codes[] = {
 
 static int find(const code_pair *table, size_t n, int code, int otherwise) {
     for (size_t i = 0; i < n; i++) {
-        if (table[i].code == code) {
+        if (table[i].code == code)
             return table[i].rpc;
-        }
     }
     return otherwise;
 }

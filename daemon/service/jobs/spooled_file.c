@@ -13,9 +13,8 @@ bool spooled_file_is_job_file(const char *name) {
 }
 
 bool spooled_file_name(const store_job *job, char name[SPOOL_NAME_SIZE]) {
-    if (job->origin != STORE_SPOOL || job->key == NULL || job->dropped == NULL) {
+    if (job->origin != STORE_SPOOL || job->key == NULL || job->dropped == NULL)
         return false;
-    }
     const int n = snprintf(name, SPOOL_NAME_SIZE, "%s-%s", job->key, job->dropped);
     return n > 0 && n < SPOOL_NAME_SIZE;
 }
@@ -38,9 +37,8 @@ char *spooled_file_where(const spool *sp, const char *directory, const store_job
     char name[SPOOL_NAME_SIZE];
     char buffer[SPOOL_PLACE_SIZE];
     char *path = NULL;
-    if (sp == NULL || !spooled_file_name(job, name)) {
+    if (sp == NULL || !spooled_file_name(job, name))
         return NULL;
-    }
     spool_place place = place_of(job);
     if (place.name[0] == '\0' && store_state_is_final(job->state)) {
         spool_find_place(sp, name, GLANCE, &place); /* the service died before it was kept */
@@ -57,12 +55,10 @@ int spooled_file_no_spool(const store_job *job, shear_error *err) {
 
 int spooled_file_restore(spool *sp, const store_job *job, shear_error *err) {
     char name[SPOOL_NAME_SIZE];
-    if (!spooled_file_name(job, name)) {
+    if (!spooled_file_name(job, name))
         return SHEAR_OK;
-    }
-    if (sp == NULL) {
+    if (sp == NULL)
         return spooled_file_no_spool(job, err);
-    }
     spool_place place = place_of(job);
     if (place.name[0] == '\0') { /* of an older version's job, or the power failed */
         spool_find_place(sp, name, SEARCH, &place);

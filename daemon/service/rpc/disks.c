@@ -52,9 +52,8 @@ static void look(disk_seen *seen, const char *use, const char *path, sheard_msg_
     d->free_bytes = (int64_t)fs.f_bavail * (int64_t)fs.f_frsize;
     d->bytes = (int64_t)fs.f_blocks * (int64_t)fs.f_frsize;
     d->problem = strcmp(use, "spool") == 0 ? spool_complaint(path) : complaint(path);
-    for (size_t i = 0; d->same_as == NULL && i < seen->n; i++) {
+    for (size_t i = 0; d->same_as == NULL && i < seen->n; i++)
         d->same_as = seen->devices[i] == st.st_dev ? seen->uses[i] : NULL;
-    }
     if (d->same_as == NULL) {
         seen->uses[seen->n] = use;
         seen->devices[seen->n++] = st.st_dev;
@@ -66,12 +65,10 @@ size_t disks_get(const service *s, sheard_msg_disk disks[DISKS]) {
     disk_seen seen = {.n = 0};
     size_t n = 0;
     look(&seen, "state", c->daemon.state_dir, &disks[n++]);
-    if (c->spool.enabled) {
+    if (c->spool.enabled)
         look(&seen, "spool", c->spool.directory, &disks[n++]);
-    }
-    if (c->catalogs.enabled) {
+    if (c->catalogs.enabled)
         look(&seen, "catalogues", c->catalogs.directory, &disks[n++]);
-    }
     look(&seen, "scratch", engine_get_scratch(s->engine), &disks[n++]);
     return n;
 }

@@ -33,13 +33,11 @@ int field_to_message(service *s, const store_field *f, int64_t since,
     code = code == SHEAR_OK ? field_result_now(s, f, &settings, since, &now, err) : code;
     code =
         code == SHEAR_OK ? field_report(s, f, &settings, &now.result, counted, &report, err) : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     sheard_msg_contribution *contributions = contributions_of(counted);
-    if (contributions == NULL) {
+    if (contributions == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page");
-    }
     no_result_begin(why, f, &now.result);
     *out = (sheard_msg_field_row){.report = CLEANUP_TAKE(report),
                                   .digest = f->settings_digest,

@@ -46,9 +46,8 @@ void job_reply_run(post_commit *post, int code, const shear_error *err) {
     file_disposal_end(s, &job);
     reply_with(s, later, &job);
     job_message_publish(s, &job);
-    if (store_state_is_final(job.state)) {
+    if (store_state_is_final(job.state))
         job_outcome_tell(s, &job);
-    }
 }
 
 bool job_reply_may_change(service *s, const server_request *r, int64_t id) {

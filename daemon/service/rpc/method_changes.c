@@ -20,18 +20,16 @@ void method_cancel(service *s, const server_request *r) {
     const int64_t id = r->request->params.id.id;
     shear_error err = {0};
     enum store_state state = STORE_QUEUED;
-    if (!job_reply_may_change(s, r, id)) {
+    if (!job_reply_may_change(s, r, id))
         return;
-    }
     int code = group_begin(&s->group, &err);
     code = code == SHEAR_OK ? store_cancel(s->store, id, clock_wall_ms(), &state, &err) : code;
     if (code != SHEAR_OK) {
         refuse_store(s, r->handle, code, &err);
         return;
     }
-    if (state == STORE_RUNNING) {
+    if (state == STORE_RUNNING)
         engine_stop_job(s->engine, id);
-    }
     job_reply_later(s, job_reply_run, sizeof(job_reply), r->handle, id);
 }
 
@@ -43,21 +41,18 @@ static void reply_retracted(post_commit *post, int code, const shear_error *err)
     CLEANUP(store_job_deinit) store_job job = {0};
     shear_error ignored;
     job_reply_run(post, code, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return;
-    }
     catalogs_remove_retracted(s);
-    if (store_job_get(s->store, post->job, &job, &ignored) == SHEAR_OK) {
+    if (store_job_get(s->store, post->job, &job, &ignored) == SHEAR_OK)
         change_notifier_note(s, job.field, job.settings_digest);
-    }
 }
 
 void method_retract(service *s, const server_request *r) {
     const int64_t id = r->request->params.id.id;
     shear_error err = {0};
-    if (!job_reply_may_change(s, r, id)) {
+    if (!job_reply_may_change(s, r, id))
         return;
-    }
     int code = group_begin(&s->group, &err);
     code = code == SHEAR_OK ? store_retract(s->store, id, &err) : code;
     if (code != SHEAR_OK) {
@@ -93,9 +88,8 @@ static int try_to_open(const service *s, const store_job *job, sheard_rpc_error 
     CLEANUP(job_source_deinit) job_source o = {.files = SOURCE_FILES_NONE};
     shear_error err = {0};
     const int code = job_source_open(s, job, &o, &err);
-    if (code != SHEAR_OK && spooled_file_is_field(job)) {
+    if (code != SHEAR_OK && spooled_file_is_field(job))
         return rpc_error_as(error, sheard_rpc_code_find(o.fail_name), &err);
-    }
     return code == SHEAR_OK ? SHEARD_RPC_OK : rpc_error_from_access(error, code, &err);
 }
 
@@ -113,14 +107,12 @@ static int retry(service *s, store_job *job, sheard_rpc_error *error) {
         return queue_again(s, job, error); /* the store refuses it: wrong_state */
     }
     int code = take_back(s, job, error);
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         return code;
-    }
     code = try_to_open(s, job, error);
     code = code == SHEARD_RPC_OK ? queue_again(s, job, error) : code;
-    if (code != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK)
         file_disposal_end(s, job);
-    }
     return code;
 }
 
@@ -135,9 +127,8 @@ static void reply_retried(post_commit *post, int code, const shear_error *err) {
     const service *s = post->context;
     const retry_reply *later = (const retry_reply *)post;
     shear_error ignored;
-    if (code != SHEAR_OK && later->active_name[0] != '\0' && s->spool != NULL) {
+    if (code != SHEAR_OK && later->active_name[0] != '\0' && s->spool != NULL)
         spool_refuse(s->spool, later->active_name, &ignored);
-    }
     job_reply_run(post, code, err);
 }
 
@@ -146,9 +137,8 @@ void method_retry(service *s, const server_request *r) {
     CLEANUP(store_job_deinit) store_job job = {0};
     shear_error err = {0};
     sheard_rpc_error error;
-    if (!job_reply_may_change(s, r, id)) {
+    if (!job_reply_may_change(s, r, id))
         return;
-    }
     if (s->life.state != SHEARD_SERVER_RUNNING) {
         refuse_new_jobs(s, r->handle);
         return;
@@ -163,7 +153,6 @@ void method_retry(service *s, const server_request *r) {
         return;
     }
     retry_reply *later = job_reply_later(s, reply_retried, sizeof *later, r->handle, id);
-    if (later != NULL && !spooled_file_name(&job, later->active_name)) {
+    if (later != NULL && !spooled_file_name(&job, later->active_name))
         later->active_name[0] = '\0';
-    }
 }

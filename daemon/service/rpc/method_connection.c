@@ -57,9 +57,8 @@ void method_subscribe(service *s, const server_request *r) {
     const sheard_msg_subscribe *what = &r->request->params.subscribe;
     sheard_rpc_error error;
     sheard_reply reply = {0};
-    if (!jobs_known(s, r, what->jobs, what->n_jobs)) {
+    if (!jobs_known(s, r, what->jobs, what->n_jobs))
         return;
-    }
     if (server_subscribe(s->server, r->handle.connection, what, &reply.subscribe, &error) !=
         SHEARD_RPC_OK) {
         server_reply_error(s->server, r->handle, &error);

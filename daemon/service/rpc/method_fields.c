@@ -16,9 +16,8 @@
 static bool have_estimates(const listing *l, const store_field_page *page, const char *digest,
                            int64_t since) {
     const enum estimates_answer answer = estimates_request(l->s, l->to, page, digest, since);
-    if (answer == ESTIMATES_NO_MEMORY) {
+    if (answer == ESTIMATES_NO_MEMORY)
         refuse_with(l->s, l->to, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for solving a field");
-    }
     return answer == ESTIMATES_READY;
 }
 
@@ -52,9 +51,8 @@ static enum server_step find_rows(field_rows *w) {
         return SERVER_PAUSE;
     }
     w->ready = have_estimates(&w->list, &w->page, p->digest, w->since);
-    if (w->ready) {
+    if (w->ready)
         return SERVER_MORE;
-    }
     store_field_page_deinit(&w->page);
     return SERVER_PAUSE;
 }
@@ -65,9 +63,8 @@ static int make_row(field_rows *w, const store_field *f, shear_error *err) {
     if (p->limit > 0 && f->jobs > 0) {
         const int code = store_contributions(w->list.s->store, f->name, f->settings_digest,
                                              p->after, (size_t)p->limit, &w->contributions, err);
-        if (code != SHEAR_OK) {
+        if (code != SHEAR_OK)
             return code;
-        }
     }
     return field_to_message(w->list.s, f, w->since, &w->contributions, &w->row, &w->why, err);
 }
@@ -100,9 +97,8 @@ static void row_step(field_rows *w, const store_field *f) {
 static enum server_step rows_step(void *context) {
     field_rows *w = context;
     const sheard_msg_field *p = &w->list.request.params.field;
-    if (!w->ready) {
+    if (!w->ready)
         return find_rows(w);
-    }
     if (w->next == w->page.n) {
         const sheard_reply rest = {.field = {.field = p->field, .mixed = w->page.n > 1}};
         listing_reply(&w->list, &rest);
@@ -151,9 +147,8 @@ typedef struct field_list {
 static bool read_cursor(const char *cursor, char *digest, const char **name) {
     const char *blank = cursor != NULL ? strchr(cursor, ' ') : NULL;
     const size_t n = blank != NULL ? (size_t)(blank - cursor) : 0;
-    if (n == 0 || n > STORE_DIGEST_MAX) {
+    if (n == 0 || n > STORE_DIGEST_MAX)
         return false;
-    }
     memcpy(digest, cursor, n);
     digest[n] = '\0';
     *name = blank + 1;
@@ -173,9 +168,8 @@ static bool add_summary(field_list *w, const store_field_page *page, size_t i) {
 /* The page has one field more than are taken of it: whether the last one is mixed. */
 static bool add_fields(field_list *w, const store_field_page *page, size_t n) {
     for (size_t i = 0; i < n; i++) {
-        if (!add_summary(w, page, i)) {
+        if (!add_summary(w, page, i))
             return false;
-        }
     }
     w->left -= n;
     if (n > 0) {
@@ -194,9 +188,8 @@ static bool add_fields(field_list *w, const store_field_page *page, size_t n) {
 
 static void reply_with_fields(field_list *w, bool more) {
     char cursor[SHEARD_MSG_CURSOR_MAX];
-    if (more) {
+    if (more)
         snprintf(cursor, sizeof cursor, "%s %s", w->digest, w->name);
-    }
     const sheard_reply rest = {.fields.cursor = more ? cursor : NULL};
     listing_reply(&w->list, &rest);
 }
@@ -214,12 +207,10 @@ static enum server_step fields_step(void *context) {
         refuse_store(w->list.s, w->list.to, code, &err);
         return SERVER_MORE;
     }
-    if (!have_estimates(&w->list, &page, NULL, w->since)) {
+    if (!have_estimates(&w->list, &page, NULL, w->since))
         return SERVER_PAUSE;
-    }
-    if (add_fields(w, &page, page.n < most ? page.n : most) && (page.n <= most || w->left == 0)) {
+    if (add_fields(w, &page, page.n < most ? page.n : most) && (page.n <= most || w->left == 0))
         reply_with_fields(w, page.n > most);
-    }
     return SERVER_MORE;
 }
 

@@ -47,9 +47,8 @@ static void forgotten(post_commit *post, int code, const shear_error *err) {
     }
     log_notice("field '%s' is to be forgotten: %" PRId64 " contributions in %" PRId64 " rows",
                reply->field, reply->waiter.numbers.contributions, reply->waiter.numbers.rows);
-    for (size_t at = 0; at < digests.n; at += strlen(digests.bytes + at) + 1) {
+    for (size_t at = 0; at < digests.n; at += strlen(digests.bytes + at) + 1)
         change_notifier_note(s, reply->field, digests.bytes + at);
-    }
     field_purge_wait(s, &CLEANUP_TAKE(reply)->waiter);
     field_purge_continue(s);
 }
@@ -58,14 +57,12 @@ static void forgotten(post_commit *post, int code, const shear_error *err) {
 static int list_rows(service *s, const sheard_msg_forget *p, buffer *digests, shear_error *err) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     const int code = store_field_get(s->store, p->field, &page, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     for (size_t i = 0; i < page.n; i++) {
         const char *digest = page.fields[i].settings_digest;
-        if (p->digest == NULL || strcmp(p->digest, digest) == 0) {
+        if (p->digest == NULL || strcmp(p->digest, digest) == 0)
             buffer_add(digests, digest, strlen(digest) + 1);
-        }
     }
     return digests->failed ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory") : SHEAR_OK;
 }
@@ -74,9 +71,8 @@ static int forget(service *s, const server_request *r, shear_error *err) {
     const sheard_msg_forget *p = &r->request->params.forget;
     CLEANUP(buffer_deinit) buffer digests = {0};
     CLEANUP(release_free) forget_reply *reply = calloc(1, sizeof *reply);
-    if (reply == NULL) {
+    if (reply == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
     reply->to = r->handle;
     reply->waiter.done = reply_purged;
     snprintf(reply->field, sizeof reply->field, "%s", p->field);
@@ -85,14 +81,12 @@ static int forget(service *s, const server_request *r, shear_error *err) {
     code = code == SHEAR_OK
                ? store_forget(s->store, p->field, p->digest, &reply->waiter.numbers, err)
                : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     estimates_note_retraction(s);
     forgotten_field *f = group_then(&s->group, forgotten, 0, sizeof *f);
-    if (f == NULL) {
+    if (f == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
     f->reply = CLEANUP_TAKE(reply);
     f->digests = digests;
     digests = (buffer){0};

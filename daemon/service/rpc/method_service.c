@@ -25,9 +25,8 @@ static int metrics_text(service *s, char **text, shear_error *err) {
     server_statistics net;
     size_t size = 0;
     const int code = status_init(&st, s, err);
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     FILE *out = open_memstream(text, &size);
     if (out != NULL) {
         server_get_statistics(s->server, &net);

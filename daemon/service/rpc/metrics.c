@@ -27,9 +27,8 @@ static void write_states(FILE *out, const sheard_msg_status *s) {
                   {"failed", s->states.failed},      {"cancelled", s->states.cancelled},
                   {"retracted", s->states.retracted}};
     begin(out, "jobs", "Kept jobs by state.");
-    for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
+    for (size_t i = 0; i < sizeof states / sizeof states[0]; i++)
         fprintf(out, "sheard_jobs{state=\"%s\"} %" PRId64 "\n", states[i].name, states[i].jobs);
-    }
 }
 
 static void write_numbers(FILE *out, const sheard_msg_status *s, const server_statistics *net) {
@@ -85,9 +84,8 @@ static void write_numbers(FILE *out, const sheard_msg_status *s, const server_st
         {"incoming_ignored", "gauge", "Files that are left lying in incoming/.",
          (double)s->spool.ignored},
     };
-    for (size_t i = 0; i < sizeof metrics / sizeof metrics[0]; i++) {
+    for (size_t i = 0; i < sizeof metrics / sizeof metrics[0]; i++)
         write_one(out, &metrics[i]);
-    }
 }
 
 /* Codes and uses are names of ours: nothing in them has to be escaped. */

@@ -51,9 +51,8 @@ void pending_waits_init(pending_waits *all) {
 static wait_user *find_user(pending_waits *all, uid_t uid) {
     wait_user *u;
     TAILQ_FOREACH(u, &all->users, link) {
-        if (u->uid == uid) {
+        if (u->uid == uid)
             return u;
-        }
     }
     u = calloc(1, sizeof *u);
     if (u != NULL) {
@@ -95,12 +94,10 @@ static void wake_up(pending_wait *w) {
 
 static void wait_drop(void *context) {
     pending_wait *w = context;
-    if (w->phase == WAIT_SLEEPING) {
+    if (w->phase == WAIT_SLEEPING)
         TAILQ_REMOVE(&w->list.s->waits->asleep, w, link);
-    }
-    if (w->user != NULL) {
+    if (w->user != NULL)
         remove_ids(w->list.s->waits, w->user, w->n_ids);
-    }
     listing_deinit(&w->list);
     free(w->pending);
     free(w);
@@ -128,13 +125,11 @@ static enum server_step look(pending_wait *w) {
             return SERVER_PAUSE;
         }
         const bool unfinished = code == SHEAR_OK && !store_state_is_final(state);
-        if (unfinished) {
+        if (unfinished)
             w->pending[w->n_pending++] = w->ids[w->next];
-        }
     }
-    if (w->next < w->n_ids) {
+    if (w->next < w->n_ids)
         return SERVER_MORE;
-    }
     w->looked = true;
     w->left = w->n_pending;
     if (w->left > 0 && !is_over(w)) {
@@ -158,9 +153,8 @@ static bool add_job(pending_wait *w, int64_t id) {
         job_to_message(s, &job, &message);
         w->timed_out |= !store_state_is_final(job.state);
     }
-    if (!w->submit) {
+    if (!w->submit)
         return listing_add(&w->list, &message);
-    }
     const sheard_reply reply = {.submit = {.job = message, .known = w->known}};
     server_reply(s->server, w->list.to, &reply);
     return true;
@@ -168,13 +162,11 @@ static bool add_job(pending_wait *w, int64_t id) {
 
 static enum server_step wait_step(void *context) {
     pending_wait *w = context;
-    if (w->phase == WAIT_LOOKING) {
+    if (w->phase == WAIT_LOOKING)
         return look(w);
-    }
     const size_t end = w->n_ids - w->next > JOBS_A_STEP ? w->next + JOBS_A_STEP : w->n_ids;
-    while (w->next < end && add_job(w, w->ids[w->next])) {
+    while (w->next < end && add_job(w, w->ids[w->next]))
         w->next++;
-    }
     if (w->next == w->n_ids && !w->submit) {
         const sheard_reply rest = {.wait.timed_out = w->timed_out};
         listing_reply(&w->list, &rest);
@@ -187,9 +179,8 @@ static enum server_step wait_step(void *context) {
 static int64_t end_of_wait(const service *s, double timeout_s) {
     const double limit_s = 1e-3 * (double)s->config.limits.wait_timeout_ms;
     const double wanted_s = isnan(timeout_s) ? limit_s : timeout_s;
-    if (limit_s <= 0 && isnan(timeout_s)) {
+    if (limit_s <= 0 && isnan(timeout_s))
         return INT64_MAX;
-    }
     return (int64_t)uv_now(&s->loop) +
            (int64_t)(1e3 * (limit_s > 0 ? fmin(wanted_s, limit_s) : wanted_s));
 }
@@ -272,15 +263,12 @@ void pending_waits_job_ended(service *s, int64_t id) {
     pending_wait *next;
     for (pending_wait *w = TAILQ_FIRST(&s->waits->asleep); w != NULL; w = next) {
         next = TAILQ_NEXT(w, link);
-        if (!waits_for(w, id)) {
+        if (!waits_for(w, id))
             continue;
-        }
-        if (w->left > 0) {
+        if (w->left > 0)
             w->left--;
-        }
-        if (w->left == 0) {
+        if (w->left == 0)
             wake_up(w);
-        }
     }
 }
 
@@ -288,8 +276,7 @@ void pending_waits_tick(service *s) {
     pending_wait *next;
     for (pending_wait *w = TAILQ_FIRST(&s->waits->asleep); w != NULL; w = next) {
         next = TAILQ_NEXT(w, link);
-        if (is_over(w)) {
+        if (is_over(w))
             wake_up(w);
-        }
     }
 }

@@ -75,9 +75,8 @@ static void made(uv_work_t *work, int status) {
     shear_settings settings;
     (void)status; /* never cancelled */
     if (s->server == NULL || s->life.closing) {
-        if (p->fd >= 0) {
+        if (p->fd >= 0)
             close(p->fd);
-        }
         return;
     }
     if (p->code == SHEAR_OK) {
@@ -91,9 +90,8 @@ static void made(uv_work_t *work, int status) {
                                 .settings = settings};
         p->code = engine_add(s->engine, &job, &p->err);
     }
-    if (p->code != SHEAR_OK) {
+    if (p->code != SHEAR_OK)
         answer_failed(s, job_outcome_reason(&p->err).name, &p->err);
-    }
 }
 
 void probe_event(service *s, const engine_event *e) {
@@ -132,9 +130,8 @@ void method_probe(service *s, const server_request *r) {
         return;
     }
     p->asking[p->n_asking++] = r->handle;
-    if (p->n_asking > 1) {
+    if (p->n_asking > 1)
         return;
-    }
     p->begun_s = clock_s(CLOCK_MONOTONIC);
     p->work.data = s;
     p->fd = -1;

@@ -63,9 +63,8 @@ static int write_all(shear_field_writer *w, shear_error *err) {
     int code = SHEAR_OK;
     for (int i = 0; i < PROBE_STAMPS && code == SHEAR_OK; i++) {
         draw_galaxy(&seed, galaxy);
-        for (int k = 0; k < SIDE * SIDE; k++) {
+        for (int k = 0; k < SIDE * SIDE; k++)
             blank[k] = noise * draw(&seed);
-        }
         code = shear_field_write(w, i, 1, galaxy, blank, NULL, err);
     }
     draw_psf(galaxy);

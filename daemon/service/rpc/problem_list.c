@@ -9,9 +9,8 @@
 #include <stdlib.h>
 
 static sheard_msg_problem *add(problem_list *list, const char *about, const char *code) {
-    if (list->n == PROBLEMS_TOLD) {
+    if (list->n == PROBLEMS_TOLD)
         return NULL;
-    }
     sheard_msg_problem *p = &list->items[list->n];
     *p = (sheard_msg_problem){
         .about = about, .code = code, .message = list->texts[list->n], .count = 1};
@@ -46,9 +45,8 @@ static void add_waiting(const service *s, problem_list *list) {
         const store_waiting *w = &list->waiting[i];
         const problem_note *note = problem_note_find(&s->notes, "jobs", w->code);
         sheard_msg_problem *p = add(list, "jobs", w->code);
-        if (p == NULL) {
+        if (p == NULL)
             return;
-        }
         p->since_ms = note != NULL ? note->since_ms : s->started_wall_ms;
         p->count = w->jobs;
         p->attempts = w->attempts;
@@ -112,24 +110,21 @@ static void add_log(problem_list *list, const log_losses *log) {
 static void add_roots(const service *s, problem_list *list) {
     const char *reasons[PROBLEMS_TOLD];
     const size_t n = data_roots_missing(&s->roots, reasons, PROBLEMS_TOLD);
-    for (size_t i = 0; i < n && add(list, "root", "root_missing") != NULL; i++) {
+    for (size_t i = 0; i < n && add(list, "root", "root_missing") != NULL; i++)
         snprintf(text_of(list), PROBLEM_TEXT, "%s", reasons[i]);
-    }
 }
 
 problem_list *problem_list_new(const service *s) {
     problem_list *list = calloc(1, sizeof *list);
-    if (list == NULL) {
+    if (list == NULL)
         return NULL;
-    }
     const log_losses log = log_get_losses();
     list->n_disks = disks_get(s, list->disks);
     add_store(s, list);
     add_waiting(s, list);
     add_disks(list);
-    if (s->spool != NULL) {
+    if (s->spool != NULL)
         add_spool(s, list);
-    }
     add_log(list, &log);
     add_roots(s, list);
     return list;

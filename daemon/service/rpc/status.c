@@ -38,9 +38,8 @@ static int64_t file_size(const char *path) {
 
 static void fill_spool(service *s, status *st) {
     sheard_msg_spool *out = &st->message.spool;
-    if (s->spool == NULL) {
+    if (s->spool == NULL)
         return;
-    }
     const spool_stats stats = spool_get_stats(s->spool);
     *out = (sheard_msg_spool){.path = s->config.spool.directory,
                               .watching = stats.watching,
@@ -52,9 +51,8 @@ static void fill_spool(service *s, status *st) {
                               .free_bytes = free_bytes(s->config.spool.directory),
                               .left_lying = st->left_lying};
     out->n_left_lying = spool_get_ignored(s->spool, st->ignored, STATUS_LEFT_LYING);
-    for (size_t i = 0; i < out->n_left_lying; i++) {
+    for (size_t i = 0; i < out->n_left_lying; i++)
         st->left_lying[i] = (sheard_msg_ignored){st->ignored[i].name, st->ignored[i].reason};
-    }
 }
 
 static void fill_problems(status *st) {
@@ -98,9 +96,8 @@ static int fill_store(const service *s, sheard_msg_status *out, const char *path
     store_totals totals;
     int code = store_count(s->store, &counts, err);
     code = code == SHEAR_OK ? store_total(s->store, &totals, err) : code;
-    if (code != SHEAR_OK) {
+    if (code != SHEAR_OK)
         return code;
-    }
     out->queue.length = counts.unfinished;
     out->states = (sheard_msg_states){.queued = counts.jobs[STORE_QUEUED],
                                       .running = counts.jobs[STORE_RUNNING],
@@ -149,9 +146,8 @@ static void fill_service(const service *s, sheard_msg_status *out) {
 int status_init(status *st, service *s, shear_error *err) {
     sheard_msg_status *out = &st->message;
     *st = (status){.problems = problem_list_new(s)};
-    if (st->problems == NULL) {
+    if (st->problems == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for what is to be told");
-    }
     snprintf(st->store_path, sizeof st->store_path, "%s/sheard.db", s->config.daemon.state_dir);
     fill_service(s, out);
     out->roots = data_roots_get(&s->roots, &out->n_roots);
