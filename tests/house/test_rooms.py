@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Rooms, as the includes show them: nobody includes upwards, or a private header of somebody else; an outside library is
 seen by its room only; every source has its licence."""
+import re
 import unittest
 
 import house
@@ -66,6 +67,16 @@ class Rooms(house.Case):
 
     def test_outside_libraries(self):
         self.nothing(told(strangers(INCLUDES, PLAN)), "outside")
+
+    def test_dependencies_name_the_same_rooms(self):
+        headers = {"FFTW": "fftw3.h", "CFITSIO": "fitsio.h", "XXHASH": "xxhash.h", "ZLIB": "zlib.h", "GMP": "gmp.h", "GSL": "gsl",
+                   "CAIRO": "cairo.h", "JANSSON": "jansson.h", "INIH": "ini.h", "SECCOMP": "seccomp.h", "UV": "uv.h",
+                   "SQLITE": "sqlite3.h", "RANDOM123_INCLUDE_DIR": "Random123"}
+        told = {name: rooms for name, rooms in re.findall(r"^(?:pkg_check_modules|find_path)\((\w+) .*\)\s+# (.*)$",
+                                                          TREE.read("cmake/Dependencies.cmake"), re.M)}
+        self.assertEqual(sorted(told), sorted(headers))
+        for name, rooms_told in told.items():
+            self.assertEqual(set(rooms_told.split(", ")) - {"tests"}, set(PLAN.outside[headers[name]]) - {"bench"}, name)
 
     def test_licence(self):
         self.nothing([(path, 1, "no licence") for path in TREE.sources()
