@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear-bench: microseconds a stamp pair, beside two plain FFTW r2c transforms of the same fine
+/* shear-bench: microseconds per stamp pair, beside two plain FFTW r2c transforms of the same fine
  * size (F) in the same run; how much faster all threads are; and the stages of a pair. */
 #include "rounds.h"
 
