@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* command.h: what a subcommand of shearctl is, and the table of all of them. Each file of commands/
- * defines one; CMakeLists.txt lists them. */
+/* command.h: the definition of a subcommand of shearctl, and the table of all subcommands. Each
+ * file in commands/ defines one; CMakeLists.txt lists them. */
 #ifndef CLIENT_CMDLINE_COMMAND_H
 #define CLIENT_CMDLINE_COMMAND_H
 
@@ -21,11 +21,12 @@ struct command {
 
 #define COMMAND_SETTINGS_MARK "@SETTINGS@"
 
-/* The table, ended by NULL, in the order of the help text. main.c hands it over before anything
- * else is called: so help and completions, subcommands themselves, may look into it. */
+/* Set the table: all subcommands in the order of the help text, ended by NULL, owned by the caller.
+ * main.c does this first, because help and completion read the table. */
 void command_set_table(const command *const *table);
 const command *const *command_table(void);
-/* The entry called `name`, or NULL; then an error with the nearest name has been printed. */
+/* Return the entry called `name`. If there is none, print an error with the nearest name and return
+ * NULL. */
 const command *command_find(const char *name);
 
 /* Print the help text of one subcommand; `settings` prints the options of the settings

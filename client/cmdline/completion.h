@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* completion.h: the subcommands and their options as data for the shells' completions, taken from
- * the help texts so that nothing is written twice. */
+/* completion.h: the subcommands and their options as data for shell completion, extracted from the
+ * help texts. */
 #ifndef CLIENT_CMDLINE_COMPLETION_H
 #define CLIENT_CMDLINE_COMPLETION_H
 
@@ -8,13 +8,15 @@
 
 #include <stdio.h>
 
-/* Lines of fields with '|' between them, no field has one:
- *     command|NAME|OPERANDS|SUMMARY       OPERANDS: as in the usage, commas for '|'
- *     option|NAME|--OPTION|METAVAR|CHOICES|HELP    CHOICES: words with spaces between them
+/* clang-format off */
+/* Print lines whose fields are separated by '|' (no field contains one):
+ *     command|NAME|OPERANDS|SUMMARY                OPERANDS: as in the usage, with ',' for '|'
+ *     option|NAME|--OPTION|METAVAR|CHOICES|HELP    CHOICES: separated by spaces
  * Returns an exit code. */
+/* clang-format on */
 enum exit_code completion_data_print(FILE *out);
 
-/* The options of one help text. */
+/* Print the `option` lines of one subcommand, found in its help text. */
 void completion_options(const char *name, const char *usage, FILE *out);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* options.h: the command line of a subcommand, parsed by a table that says where each value goes.
- */
+/* options.h: a parser for the command line of a subcommand, driven by a table of its options. */
 #ifndef CLIENT_CMDLINE_OPTIONS_H
 #define CLIENT_CMDLINE_OPTIONS_H
 
@@ -10,49 +9,53 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* One long option. Exactly one of flag, text, integer, seconds and set says where its value goes.
- */
+/* One long option. Exactly one of flag, text, integer, seconds and set is given: the destination of
+ * its value. */
 typedef struct option_entry option_entry;
 struct option_entry {
     const char *name; /* without "--" */
-    char letter;      /* of its short form, or 0 */
-    bool *flag;       /* becomes true: the option has no value */
+    char letter;      /* short form, or 0 */
+    bool *flag;       /* set to true; the option has no value */
     const char **text;
-    int64_t *integer; /* from min to max */
+    int64_t *integer; /* allowed values: min to max */
     int64_t min, max;
     double *seconds; /* "90", "500ms", "5min", "2h" */
-    /* Any other value; NULL if the option is bare. Returns an exit code, with an error printed. */
+    /* Handle any other kind of value; `value` is NULL if the option is bare. Returns an exit code;
+     * on failure an error has been printed. */
     enum exit_code (*set)(const option_entry *entry, const char *value);
-    void *context; /* of `set` */
-    bool bare;     /* `set` takes no value */
-    bool *given;   /* becomes true besides, or NULL */
+    void *context; /* for `set` */
+    bool bare;     /* `set` gets no value */
+    bool *given;   /* also set to true; may be NULL */
 };
 
-/* The settings of the measurement, as options of a subcommand. Begin with OPTION_SETTINGS_INIT. */
+/* The settings of the measurement, as options of a subcommand. Initialize with
+ * OPTION_SETTINGS_INIT. */
 typedef struct option_settings {
     shear_settings values;
     bool given[SETTINGS_OPTIONS_MAX]; /* by the index in shear_settings_table() */
 } option_settings;
 
-/* Parse; operands are argv[optind] and on. `entries` ends with a NULL name. `settings` may be NULL:
- * the subcommand has none. Returns an exit code, with an error printed. */
+/* Parse the command line; the operands are argv[optind] and the following. `entries` ends with an
+ * entry whose name is NULL. `settings` is NULL if the subcommand has no settings. Returns an exit
+ * code; on failure an error has been printed. */
 enum exit_code options_parse(const command *self, int argc, char **argv,
                              const option_entry *entries, option_settings *settings);
-/* Are the settings good all together? Returns an exit code, with an error printed. */
+/* Check the combination of all settings. Returns an exit code; on failure an error has been
+ * printed. */
 enum exit_code options_check_settings(const option_settings *settings);
 
-/* Is the number of operands from `min` to `max` of what `what` names? Returns an exit code, with an
- * error printed. */
+/* Check that there are `min` to `max` operands; `what` names them in the error. Returns an exit
+ * code; on failure an error has been printed. */
 enum exit_code options_count_operands(const command *self, int argc, char **argv, const char *what,
                                       int min, int max);
 
-/* A decimal integer from min to max. Returns an exit code, with an error printed that names the
- * option. */
+/* Parse a decimal integer from min to max. Returns an exit code; on failure an error that names the
+ * option has been printed. */
 enum exit_code options_integer(const char *option, const char *text, int64_t min, int64_t max,
                                int64_t *out);
 
-/* An error in how the subcommand was called, with a reference to its help. Returns EXIT_CODE_USAGE.
- */
+/* Print an error in the use of the subcommand, with a reference to its help. Returns
+ * EXIT_CODE_USAGE. */
 enum exit_code options_fail(const command *self, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* part_options.h: the options that give a field's parts in separate files or HDUs: --galaxy,
- * --noise, --psf and --catalog-in, each FILE or FILE:HDU. */
+/* part_options.h: the options --galaxy, --noise, --psf and --catalog-in, which name a field's parts
+ * in separate files or HDUs, each as FILE or FILE:HDU. */
 #ifndef CLIENT_CMDLINE_PART_OPTIONS_H
 #define CLIENT_CMDLINE_PART_OPTIONS_H
 
@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-/* For a subcommand's table of options, and for its help. */
+/* Entries for a subcommand's table of options, and the text for its help. */
 #define PART_OPTIONS(parts)                                                                        \
     {.name = "galaxy", .text = &(parts)->given[SHEAR_PART_GALAXY]},                                \
         {.name = "noise", .text = &(parts)->given[SHEAR_PART_NOISE]},                              \
@@ -27,25 +27,27 @@
     "                          file, where there is one); with a field file: in place of its "     \
     "own\n"
 
-/* What was given: "FILE" or "FILE:HDU", or NULL. Begin as {0}. */
+/* The arguments of these options: "FILE", "FILE:HDU", or NULL if not given. Initialize with {0}. */
 typedef struct part_options {
     const char *given[SHEAR_N_PARTS];
 } part_options;
 
-/* Is any given? */
+/* Return whether any of these options was given. */
 bool part_options_any(const part_options *o);
-/* All that belong together, and no field files beside them? But a catalog alone goes with one
- * field file, whose own it replaces: then that file becomes the other parts. `files` [n_files] must
- * stay. Returns an exit code, with an error printed. */
+/* Check that the options form a complete input, without field files beside them. The exception is
+ * --catalog-in alone, which replaces the catalog of a single field file: that file is then set as
+ * the other parts. `files` [n_files] must outlive *o. Returns an exit code; on failure an error has
+ * been printed. */
 enum exit_code part_options_settle(part_options *o, const command *self, char **files, int n_files);
 
-/* The input that they name, and what its texts are kept in. */
+/* The input that the options describe, and the memory for its paths. */
 typedef struct part_input {
     shear_input input;
     char *paths[SHEAR_N_PARTS];
 } part_input;
-/* `absolute`: with absolute paths, as the service wants them. SHEAR_E_SETTING (no HDU can be called
- * so), SHEAR_E_IO, SHEAR_E_NOMEM; deinit it either way. */
+/* Fill *p from the options, with absolute paths if `absolute` (the service requires them). Returns
+ * SHEAR_OK, SHEAR_E_SETTING (not a valid HDU), SHEAR_E_IO or SHEAR_E_NOMEM. Call part_input_deinit
+ * in either case. */
 int part_input_init(part_input *p, const part_options *o, bool absolute, shear_error *err);
 void part_input_deinit(part_input *p);
 

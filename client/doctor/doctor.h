@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* doctor.h: is the set-up of the service sound? Each check reports one or more results; none of
- * them changes anything. */
+/* doctor.h: checks of the installation of the service (`shearctl doctor`). Each check reports one
+ * or more results and changes nothing. */
 #ifndef CLIENT_DOCTOR_DOCTOR_H
 #define CLIENT_DOCTOR_DOCTOR_H
 
@@ -11,18 +11,18 @@
 
 typedef struct doctor {
     service service;
-    const char *config;            /* --config, or the service's; NULL: the installed one */
-    enum sheard_check_level worst; /* of all that was reported */
-    bool reached;                  /* the service answered, and: */
-    sheard_reply status;           /* that is its state */
-    bool told;                     /* ... and it told its paths */
-    char *program;                 /* the daemon's; NULL: not here. Owned, and: */
-    /* The service's paths, or else the configuration's; NULL if they are not known. */
+    const char *config;            /* --config, or that of the service; NULL: the installed one */
+    enum sheard_check_level worst; /* of all reported results */
+    bool reached;                  /* the service replied to `status` */
+    sheard_reply status;           /* that reply; valid if `reached` */
+    bool told;                     /* `status` contains the service's paths */
+    char *program; /* path of the daemon's program; NULL: not on this machine. Owned */
+    /* Paths of the service, or else those of the configuration; NULL if unknown. Owned. */
     char *state_dir, *socket, *spool, *roots;
     bool has_spool;
 } doctor;
 
-/* Look at everything; doctor.service is parsed and not connected. */
+/* Run all checks. On entry doctor.service is parsed, but not connected. */
 void doctor_run(doctor *d);
 void doctor_deinit(doctor *d);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure_group.h: the files of one field, measured into one result. */
+/* measure_group.h: measure the files of one field into one result. */
 #ifndef CLIENT_LOCAL_MEASURE_GROUP_H
 #define CLIENT_LOCAL_MEASURE_GROUP_H
 
@@ -9,47 +9,49 @@
 #include "shear/sums.h"
 #include "sheard/report.h"
 
-/* What the command line asks for. */
+/* The options of `shearctl measure`. */
 typedef struct measure_options {
     option_settings settings;
     int64_t threads;     /* 0: all cores */
     int64_t jackknife;   /* groups; 0: delta method */
-    const char *catalog; /* or NULL */
-    const char *field;   /* or NULL */
+    const char *catalog; /* NULL: none is written */
+    const char *field;   /* NULL: the files' own */
     part_options parts;
     bool force, json, quiet;
 } measure_options;
 
 typedef struct measure_group {
     const char *field;
-    measure_input **inputs; /* [n], in the order given; not owned. Those that fail are marked */
+    measure_input *
+        *inputs; /* [n], in the order of the arguments; not owned. Files that fail are marked */
     size_t n, capacity;
     shear_result result;
-    sheard_report_estimators estimators; /* of the same stamps; errors without jackknife */
-    double seconds;                      /* wall clock, all files */
+    sheard_report_estimators estimators; /* for the same stamps; errors without jackknife */
+    double seconds;                      /* wall clock, for all files */
     warning_list warnings;
 } measure_group;
 
-/* Group the wanted inputs by field, in the order of first appearance. *groups is malloc'd,
- * [*n_groups], for measure_groups_free. False when memory is out. */
+/* Group the wanted inputs by field, in the order of first appearance. Sets *groups (malloc'd,
+ * [*n_groups]), to be freed by measure_groups_free. Returns false if out of memory. */
 bool measure_groups_new(measure_input *inputs, size_t n, measure_group **groups, size_t *n_groups);
 void measure_groups_free(measure_group *groups, size_t n_groups);
 
-/* Measure. Errors are printed, and the inputs that they concern are marked. Returns true where
- * there is a result.
+/* Measure the group. Errors are printed, and the inputs that they concern are marked. Returns true
+ * if there is a result.
  *
- * The sums of several files are joined exactly, so that the result does not depend on their order.
- * The jackknife's groups do depend on it: there the files are taken in the order of their
- * checksums, whatever the order of the arguments. */
+ * The sums of several files are added exactly, so the result does not depend on their order. The
+ * jackknife's groups do: for a jackknife the files are taken in the order of their checksums, not
+ * of the arguments. */
 bool measure_group_run(measure_group *group, const measure_options *options);
 
-/* The first file that was measured, or NULL. */
+/* Return the first measured file, or NULL. */
 const measure_input *measure_group_first(const measure_group *group);
-/* The file of the stamp that counts most, or NULL if that is not known. */
+/* Return the file with the most influential stamp, or NULL if it is unknown. */
 const measure_input *measure_group_top(const measure_group *group);
-/* The files that were measured, as a report has them: into files[group->n]; how many they are. */
+/* Describe the measured files in files[group->n], as a report contains them. Returns their number.
+ */
 size_t measure_group_files(const measure_group *group, sheard_report_file *files);
-/* Do all measured files name the same truth? */
+/* Return whether all measured files have the same true shear, and store it in *g1, *g2. */
 bool measure_group_truth(const measure_group *group, double *g1, double *g2);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* result_text.h: a field's result for people. */
+/* result_text.h: print a field's result as text. */
 #ifndef CLIENT_LOCAL_RESULT_TEXT_H
 #define CLIENT_LOCAL_RESULT_TEXT_H
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* validation.h: would a field file whose every stamp has been seen measure? */
+/* validation.h: the conclusion of `shearctl validate`, once every stamp has been scanned. */
 #ifndef CLIENT_LOCAL_VALIDATION_H
 #define CLIENT_LOCAL_VALIDATION_H
 
 #include "sheard/validation_report.h"
 
-/* Set v->good; the conclusion and what to do about it go to *words. */
+/* Set v->good, and write the conclusion and the advice into *words. */
 void validation_conclude(sheard_validation_report *v, shear_error *words);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* validation_text.h: what `shearctl validate` found, in words. */
+/* validation_text.h: print the report of `shearctl validate` as text. */
 #ifndef CLIENT_LOCAL_VALIDATION_TEXT_H
 #define CLIENT_LOCAL_VALIDATION_TEXT_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* value_text.h: values of a result as texts, and the lines that results measured here and reports
- * of the service have in common. */
+/* value_text.h: values of a result as text, and lines common to local results and reports of the
+ * service. */
 #ifndef CLIENT_LOCAL_VALUE_TEXT_H
 #define CLIENT_LOCAL_VALUE_TEXT_H
 
@@ -8,20 +8,20 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* "+0.02852 +- 0.00080": the error with two digits, the value with as many decimals; "-" for a
- * value that is not finite. Returns buf. */
+/* Write "+0.02852 +- 0.00080" into buf: the error with two digits, the value with the same
+ * decimals; "-" if the value is not finite. Returns buf. */
 char *value_text(double value, double error, char *buf, size_t size);
-/* Decimals that show two digits of the error. */
+/* Return the number of decimals that show two digits of the error. */
 int value_text_decimals(double error);
 
-/* "2.4 px", or "2.4 to 2.6 px" if files differ. Returns buf. */
+/* Write "2.4 px", or "2.4 to 2.6 px" if files differ, into buf. Returns buf. */
 char *value_text_length(double from, double to, char *buf, size_t size);
 
-/* The name of an error method ("delta") in words. */
+/* Return a description of an error method, given its name ("delta"). */
 const char *value_text_error_method(const char *name);
 
-/* The line "400 of 403 used (2 galaxy_not_finite, 1 masked)"; a stamp may have several flags.
- * `flagged` [SHEAR_N_FLAGS]. */
+/* Print "400 of 403 used (2 galaxy_not_finite, 1 masked)"; a stamp may have several flags.
+ * `flagged` is [SHEAR_N_FLAGS]. */
 void value_text_print_stamps(int64_t n_used, int64_t n_stamps, const int64_t *flagged, FILE *out);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* warnings.h: the warnings that belong to one field's result: kept for its report, shown on
- * standard error. */
+/* warnings.h: the warnings about one field's result, kept for its report and printed to standard
+ * error. */
 #ifndef CLIENT_LOCAL_WARNINGS_H
 #define CLIENT_LOCAL_WARNINGS_H
 
@@ -11,9 +11,9 @@ typedef struct warning_list {
     size_t n, capacity;
 } warning_list;
 
-/* Add one line. When memory is out it is printed at once and not kept. */
+/* Add one line. If out of memory, print it at once instead. */
 void warnings_add(warning_list *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Print all to standard error, after "field NAME: ". */
+/* Print all warnings to standard error, each after "field NAME: ". */
 void warnings_print(const warning_list *w, const char *field);
 void warnings_deinit(warning_list *w);
 

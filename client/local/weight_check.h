@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* weight_check.h: is WEIGHT made of the stamps' own brightness? Such weights bias the shear
- * (docs/method.md, "Which estimator, which weights"). */
+/* weight_check.h: check whether WEIGHT depends on the stamps' brightness. Such weights bias the
+ * shear (docs/method.md, "Which estimator, which weights"). */
 #ifndef CLIENT_LOCAL_WEIGHT_CHECK_H
 #define CLIENT_LOCAL_WEIGHT_CHECK_H
 
@@ -15,13 +15,13 @@ typedef struct weight_check {
 } weight_check;
 void weight_check_deinit(weight_check *c);
 
-/* Add stamp pair i, if the file has weights: its flux is that of the galaxy stamp within a circle
- * of a quarter of its side about the centre, over its noise stamps' mean. Without memory it is
- * passed over. */
+/* Add stamp pair i, if the file has weights. Its flux is the galaxy stamp's within a circle around
+ * the centre, whose radius is a quarter of the side, minus the mean of the noise stamps. If out of
+ * memory, the stamp is skipped. */
 void weight_check_add(weight_check *c, const shear_stamps *t, int i);
 rank_relation weight_check_relation(const weight_check *c);
 
-/* Of WEIGHT with the power D, from a field's terms. */
+/* Return the relation of WEIGHT with the power D, from a field's terms. */
 rank_relation weight_check_terms(const shear_symmetry *terms);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* connection.h: a conversation with the service (docs/protocol.md).
+/* connection.h: a connection to the service: requests and their replies (docs/protocol.md).
  *
- * Functions that return an enum connection_status leave message and advice in *error (never NULL)
- * if it is not CONNECTION_OK. Every wait ends: at its timeout, or when progress.h has caught a
+ * Functions that return an enum connection_status write message and advice into *error (never NULL)
+ * unless it is CONNECTION_OK. Every wait ends at its timeout, or when progress.h has caught a
  * signal. Nothing is printed here. */
 #ifndef CLIENT_REMOTE_CONNECTION_H
 #define CLIENT_REMOTE_CONNECTION_H
@@ -15,27 +15,27 @@
 
 typedef struct connection connection;
 
-/* Called for each notification that comes while waiting for something else. */
+/* Called for each notification that arrives during another wait. */
 typedef void connection_listener(void *context, const sheard_message *notice);
 
-/* Connect, say hello and check the version, all within `timeout_s`. *c is NULL on errors. */
+/* Connect, send `hello` and check the version, all within `timeout_s`. *c is NULL on errors. */
 enum connection_status connection_open(connection **c, const char *path, double timeout_s,
                                        sheard_rpc_error *error);
 void connection_close(connection *c); /* NULL is accepted */
 
-/* What the service said to hello. */
+/* Return the reply to `hello`, owned by the connection. */
 const sheard_msg_welcome *connection_welcome(const connection *c);
 
 void connection_listen(connection *c, connection_listener *listener, void *context);
 
-/* Ask and wait for the answer. `params` as in sheard_request_line. Any of *reply (to be given to
- * sheard_reply_deinit) and *text (the result as it came, one line, to be freed) may be NULL. After
- * anything but OK and REFUSED the connection is of no more use. */
+/* Send a request and wait for the reply. `params` is as in sheard_request_line. *reply (to be
+ * released by sheard_reply_deinit) and *text (the result as received, one line, to be freed) may
+ * each be NULL. After any status other than OK and REFUSED the connection must be closed. */
 enum connection_status connection_call(connection *c, int method, const sheard_params *params,
                                        double timeout_s, sheard_reply *reply, char **text,
                                        sheard_rpc_error *error);
 
-/* "/run/sheard/sheard.sock", or what the environment variable SHEARD_SOCKET says. */
+/* Return the environment variable SHEARD_SOCKET, or "/run/sheard/sheard.sock" if it is not set. */
 const char *connection_default_path(void);
 
 #endif

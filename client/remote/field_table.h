@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* field_table.h: fields for people, a row each. */
+/* field_table.h: print a table of fields, one row each. */
 #ifndef CLIENT_REMOTE_FIELD_TABLE_H
 #define CLIENT_REMOTE_FIELD_TABLE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* follow_sum.h: the progress of several jobs as that of one, and how they ended. */
+/* follow_sum.h: the total progress of several jobs, and the counts of how they ended. */
 #ifndef CLIENT_REMOTE_FOLLOW_SUM_H
 #define CLIENT_REMOTE_FOLLOW_SUM_H
 
@@ -14,25 +14,27 @@ typedef struct follow_entry {
 
 typedef struct follow_totals {
     size_t finished;
-    int64_t done, total; /* stamps; total -1: not known of any job */
+    int64_t done, total; /* stamps; total -1: unknown for all jobs */
     double rate;
 } follow_totals;
 
-/* Jobs whose stamps are not counted yet are taken to have as many as the others have on average. */
+/* Return the total progress. Jobs with an unknown number of stamps count with the mean of the
+ * others. */
 follow_totals follow_sum(const follow_entry *entries, size_t n);
 
-/* What a notification or an answer says of a job that is among entries[n]. A final state stays. */
+/* Update the entry of the job in entries[n] from a notification or reply. A final state does not
+ * change any more. */
 void follow_note_job(follow_entry *entries, size_t n, const sheard_msg_job *job);
 void follow_note_progress(follow_entry *entries, size_t n, int64_t id,
                           const sheard_msg_progress *progress);
 
-/* How jobs ended. */
+/* Numbers of jobs by how they ended. */
 typedef struct follow_counts {
     size_t done, failed, cancelled, unfinished;
 } follow_counts;
 void follow_counts_add(follow_counts *counts, enum sheard_job_state state);
 
-/* What a command that waited for them exits with. */
+/* Return the exit code of a command that waited for the jobs. */
 enum exit_code follow_exit_code(const follow_counts *counts);
 
 #endif

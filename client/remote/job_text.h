@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* job_text.h: jobs for people: rows of a table, and everything about one. */
+/* job_text.h: jobs as text: rows of a table, and all details of one job. */
 #ifndef CLIENT_REMOTE_JOB_TEXT_H
 #define CLIENT_REMOTE_JOB_TEXT_H
 
@@ -8,32 +8,33 @@
 
 #include <stdbool.h>
 
-/* The colour of a job's state on a terminal (style.h), or NULL. */
+/* Return the style of a job's state on a terminal (style.h), or NULL. */
 const char *job_state_style(enum sheard_job_state state);
 
-/* The table of `shearctl jobs`. */
+/* Return a new table for `shearctl jobs`. */
 text_table *job_table_new(void);
 void job_table_add(text_table *table, const sheard_msg_job *job, int64_t now_ms);
 
-/* The table of finished jobs with their shear (submit --wait, wait). */
+/* Return a new table of finished jobs with their shear (submit --wait, wait). */
 text_table *job_results_new(void);
 void job_results_add(text_table *table, const sheard_msg_job *job);
 
-/* `shearctl show`. */
+/* Print the output of `shearctl show`. */
 void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out);
 
-/* "/data/a.fits", or "/data/gal.fits[2] + ..." of separate images; of a dropped file the name that
- * it had and where it is now: "a.fits (failed/a.1.fits)". Returns buf. */
+/* Write "/data/a.fits", or "/data/gal.fits[2] + ..." for separate parts, into buf. For a dropped
+ * file, write its original name and its current place: "a.fits (failed/a.1.fits)". Returns buf. */
 char *job_source_text(const sheard_msg_job *job, char *buf, size_t size);
 
-/* A running job that is not yet measured: what it is at is its phase, "hashing, 42% of 3.1 MB". */
+/* Return whether a running job has not started to measure: then its phase is shown, "hashing, 42%
+ * of 3.1 MB". */
 bool job_is_before_measuring(const sheard_msg_job *job);
 const char *job_phase_text(const sheard_msg_progress *progress, char *buf, size_t size);
 
-/* A bar of `width` columns, and the figures behind it. Returns buf. */
+/* Write a bar of `width` columns and the numbers after it into buf. Returns buf. */
 char *job_bar_text(const sheard_msg_progress *progress, int width, char *buf, size_t size);
 
-/* Why a job is not done, with its advice, on standard error; nothing for one that is. */
+/* Print to standard error why a job is not done, with the advice; nothing if it is done. */
 void job_complain(const sheard_msg_job *job);
 
 #endif

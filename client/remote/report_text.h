@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* report_text.h: the numbers of a result (a JSON object as the service sends it) for people. */
+/* report_text.h: print the result of a job or field, which the service sends as a JSON object. */
 #ifndef CLIENT_REMOTE_REPORT_TEXT_H
 #define CLIENT_REMOTE_REPORT_TEXT_H
 
 #include <stdio.h>
 
-/* The lines "  stamps ...", "  method ...", "  g1 ...", as shearctl measure prints them, of a
- * report. NULL prints nothing. `reason`: why there is no shear, if more is known of that than
- * the report tells; or NULL. */
+/* Print the lines "  stamps ...", "  method ...", "  g1 ..." of a report, as shearctl measure does.
+ * Prints nothing if `report` is NULL. `reason`, if not NULL, explains in more detail than the
+ * report why there is no shear. */
 void report_text_print(const char *report, const char *reason, FILE *out);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service.h: what all subcommands that talk to the service share: their options, the connection,
- * and errors as messages and exit codes. */
+/* service.h: shared by all subcommands that connect to the service: their options, the connection,
+ * error messages and exit codes. */
 #ifndef CLIENT_REMOTE_SERVICE_H
 #define CLIENT_REMOTE_SERVICE_H
 
@@ -12,13 +12,13 @@
 
 typedef struct service {
     const char *socket;
-    bool json;              /* answers as they come, a line each */
-    bool utc;               /* times in UTC, not in local time */
-    double reply_timeout_s; /* for an answer that needs no waiting */
+    bool json;              /* print replies as received, one per line */
+    bool utc;               /* times in UTC instead of local time */
+    double reply_timeout_s; /* for a reply that needs no waiting */
     connection *connection;
 } service;
 
-/* Options of every subcommand that talks to the service, and their help. */
+/* Options of every subcommand that connects to the service, and their help. */
 #define SERVICE_OPTIONS(s)                                                                         \
     {.name = "socket", .text = &(s)->socket}, {.name = "json", .flag = &(s)->json},                \
         {.name = "utc", .flag = &(s)->utc}, {                                                      \
@@ -35,46 +35,48 @@ enum exit_code service_set_reply_timeout(const option_entry *entry, const char *
     "exit status: 0 done, 2 usage, 3 no such file, job or field, 4 some of several failed,\n"      \
     "7 the service cannot be reached, 1 anything else"
 
-/* Options at their defaults, not connected. */
+/* Set the default options; not connected. */
 void service_init(service *s);
-/* service_init, and fill *s and what else `entries` name from the command line, with from `min` to
- * `max` operands of what `what` names. Returns an exit code, with an error printed. */
+/* Call service_init, then parse the command line into *s and the other `entries`, with `min` to
+ * `max` operands, which `what` names. Returns an exit code; on failure an error has been printed.
+ */
 enum exit_code service_parse(const command *self, int argc, char **argv,
                              const option_entry *entries, service *s, const char *what, int min,
                              int max);
-/* The same, and connect. */
+/* Do the same, then connect. */
 enum exit_code service_start(const command *self, int argc, char **argv,
                              const option_entry *entries, service *s, const char *what, int min,
                              int max);
 
-/* Connect. Returns an exit code, with an error printed. */
+/* Connect. Returns an exit code; on failure an error has been printed. */
 enum exit_code service_open(service *s);
 void service_close(service *s);
 
-/* Ask. Returns an exit code, with an error printed; on EXIT_CODE_DONE give *reply to
- * sheard_reply_deinit. */
+/* Send a request and wait for the reply. Returns an exit code; on failure an error has been
+ * printed. On EXIT_CODE_DONE release *reply by sheard_reply_deinit. */
 enum exit_code service_call(service *s, int method, const sheard_params *params,
                             sheard_reply *reply);
-/* The same, and print the answer where --json was given. */
+/* Do the same, and print the reply if --json was given. */
 enum exit_code service_answer(service *s, int method, const sheard_params *params,
                               sheard_reply *reply);
 
-/* The exit code of an enum connection_status and its error; service_say prints the error, too. */
+/* Return the exit code for an enum connection_status and its error. service_say also prints the
+ * error. */
 enum exit_code service_exit_code(enum connection_status status, const sheard_rpc_error *error);
 enum exit_code service_say(enum connection_status status, const sheard_rpc_error *error);
 
-/* What a subcommand with several operands exits with: each is tried, and if only some succeed it is
- * EXIT_CODE_PARTLY, else the first failure's. Begin with {0}. */
+/* The exit code of a subcommand with several operands, all of which are tried: EXIT_CODE_PARTLY if
+ * only some succeed, otherwise that of the first failure. Initialize with {0}. */
 typedef struct service_outcomes {
     int n, n_failed;
-    enum exit_code first, last; /* the first failure's, the last operand's */
+    enum exit_code first, last; /* of the first failure; of the last operand */
 } service_outcomes;
 void service_outcomes_add(service_outcomes *o, enum exit_code code);
-/* False when the service is gone: it makes no sense to ask on. */
+/* Return whether to continue with the next operand: false if the service is gone. */
 bool service_outcomes_go_on(const service_outcomes *o);
 enum exit_code service_outcomes_code(const service_outcomes *o);
 
-/* A job's number. Returns an exit code, with an error printed. */
+/* Parse a job's number. Returns an exit code; on failure an error has been printed. */
 enum exit_code service_job_id(const char *text, int64_t *id);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* status_text.h: the state of the service for people, in lines (status, watch). */
+/* status_text.h: print the state of the service as text (status, watch). */
 #ifndef CLIENT_REMOTE_STATUS_TEXT_H
 #define CLIENT_REMOTE_STATUS_TEXT_H
 
@@ -8,13 +8,14 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Version, state, queue, workers and rates: a few lines; then what an operator should look at. */
+/* Print version, state, queue, workers and rates in a few lines, then problems that need attention.
+ */
 void status_text_brief(const sheard_msg_status *s, bool colours, FILE *out);
-/* One of s->problems, with when it is tried again. */
+/* Write one of s->problems, with the time of the next attempt, into buf. Returns buf. */
 char *status_text_problem(const sheard_msg_status *s, size_t i, char *buf, size_t size);
-/* What drain and shutdown are answered. */
+/* Print the reply to drain and shutdown. */
 void status_text_stopping(const sheard_msg_stopping *s, FILE *out);
-/* Disks, connections and totals. */
+/* Print disks, connections and totals. */
 void status_text_rest(const sheard_msg_status *s, bool utc, FILE *out);
 
 #endif

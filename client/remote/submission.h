@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* submission.h: what `shearctl submit` sends, made from the command line and job files. */
+/* submission.h: the requests of `shearctl submit`, built from the command line and job files. */
 #ifndef CLIENT_REMOTE_SUBMISSION_H
 #define CLIENT_REMOTE_SUBMISSION_H
 
@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-/* What the options say. Texts point into argv. */
+/* The command line options. Strings point into argv. */
 typedef struct submission_options {
     part_options parts;
     const char *field, *key;
@@ -17,18 +17,18 @@ typedef struct submission_options {
     option_settings settings;
 } submission_options;
 
-/* One submit request, and what its texts are kept in. */
+/* One submit request, and the memory for its strings. */
 typedef struct submission {
-    sheard_params params;     /* .submit, to be sent */
-    sheard_msg_submit parsed; /* of a job file */
-    char *path;               /* of a field file */
+    sheard_params params;     /* .submit, the request */
+    sheard_msg_submit parsed; /* from a job file */
+    char *path;               /* of a field file, owned */
     part_input parts;
     char settings[SHEARD_MSG_SETTINGS_SIZE];
 } submission;
 
-/* From `name`: a field file, a job file (*.json), "-" (a job file on standard input) or NULL (the
- * images of the options). Options beat what a job file says. Returns an exit code, with an error
- * printed; deinit *s either way. */
+/* Build the request for `name`: a field file, a job file (*.json), "-" (a job file on standard
+ * input) or NULL (the parts in the options). Options override the job file. Returns an exit code;
+ * on failure an error has been printed. Call submission_deinit in either case. */
 enum exit_code submission_init(submission *s, const char *name, const submission_options *o);
 void submission_deinit(submission *s);
 

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bar.h: a progress bar as text, and the figures behind it. Pure functions. */
+/* bar.h: a progress bar as text, and the numbers after it. Pure functions. */
 #ifndef CLIENT_TERMINAL_BAR_H
 #define CLIENT_TERMINAL_BAR_H
 
 #include <stddef.h>
 
-/* "[####......]", `width` columns with its brackets (at least 3), in buf (more than width bytes);
- * returned. `part` outside of 0 to 1 is taken as the nearest. */
+/* Write "[####......]", `width` columns (at least 3) with its brackets, into buf, which has room
+ * for more than width bytes. `part` is clamped to [0, 1]. Returns buf. */
 char *bar_text(double part, int width, char *buf, size_t size);
 
-/* " 42% 12345 stamps/s 0:07 left"; a rate that is not known or 0 (then nothing is said of the time
- * left) is left out. `left_s` in seconds. Returns buf. */
+/* Write " 42% 12345 stamps/s 0:07 left" into buf. If the rate is unknown or 0, it and the time left
+ * are omitted. `left_s` is in seconds. Returns buf. */
 char *bar_figures(double part, double rate, double left_s, char *buf, size_t size);
 
-/* done / total; 1 where total is not more than done, 0 if it is not known (negative). */
+/* Return done / total: 1 if total <= done, 0 if total is unknown (negative). */
 double bar_part(double done, double total);
 
 #endif

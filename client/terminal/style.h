@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* style.h: colours on a terminal, and how wide a text is there. */
+/* style.h: colours on a terminal, and the width of text in columns. */
 #ifndef CLIENT_TERMINAL_STYLE_H
 #define CLIENT_TERMINAL_STYLE_H
 
@@ -16,20 +16,20 @@
 #define STYLE_ACTIVE "\x1b[36m"
 #define STYLE_END    "\x1b[0m"
 
-/* A terminal that can move its cursor. */
+/* Return whether `fd` is a terminal that can move its cursor. */
 bool style_is_terminal(int fd);
-/* True if `out` is a terminal that knows colours and the user wants them (NO_COLOR is unset or
+/* Return whether `out` is a terminal with colours, and the user wants them (NO_COLOR is unset or
  * empty). */
 bool style_on(FILE *out);
 
-/* Columns of the terminal behind `fd`, from 20 to 400; `otherwise` if that is no terminal. */
+/* Return the number of columns of the terminal `fd`, from 20 to 400; `otherwise` if it is not a
+ * terminal. */
 int style_columns(int fd, int otherwise);
 int style_rows(int fd, int otherwise);
 
-/* Columns that `text` takes, escape sequences not counted; bytes that are not a character take 1.
- */
+/* Return the columns that `text` takes, without escape sequences. An invalid byte takes 1. */
 int style_width(const char *text);
-/* How many bytes of `text` fit into `columns`, escape sequences included. */
+/* Return how many bytes of `text` fit into `columns`, escape sequences included. */
 size_t style_fit(const char *text, int columns);
 
 #endif
