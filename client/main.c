@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl: the table of subcommands and the choice of one. */
+/* shearctl: main(), which chooses the subcommand. */
 #include "cmdline/settings_options.h"
 #include "commands/commands.h"
 #include "terminal/message.h"
@@ -41,8 +41,8 @@ static enum exit_code run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-    /* The text's language and the terminal's characters, but never a decimal comma: files and
-     * scripts read this. */
+    /* Use the locale's messages and characters, but not its decimal comma: files and scripts need a
+     * point. */
     setlocale(LC_CTYPE, "");
     command_set_table(table);
     const enum exit_code code = run(argc, argv);

@@ -11,7 +11,7 @@
 
 enum { TEXT_MAX = 256 };
 
-/* `n` bytes of text as a field: no '|', one space for many. */
+/* Print `n` bytes of text as a field: without '|', with single spaces. */
 static void field(FILE *out, const char *text, size_t n) {
     bool space = false;
     for (size_t i = 0; i < n; i++) {
@@ -26,7 +26,7 @@ static void field(FILE *out, const char *text, size_t n) {
     }
 }
 
-/* "none bilinear bicubic" of a setting; "a b" of a metavar "a|b". */
+/* Print the choices: "none bilinear bicubic" of a setting, "a b" for the metavar "a|b". */
 static void choices(FILE *out, const char *option, const char *metavar, size_t length) {
     const shear_setting_def *def = shear_settings_find(option);
     if (def != NULL && def->type == SHEAR_T_CHOICE && strncmp(metavar, def->metavar, length) == 0) {
@@ -38,7 +38,7 @@ static void choices(FILE *out, const char *option, const char *metavar, size_t l
     }
 }
 
-/* One "--NAME METAVAR" of a help line. */
+/* Print one "--NAME METAVAR" of a help line. */
 static void print_option(const char *self, const char *flag, size_t length, const char *help,
                          FILE *out) {
     char name[TEXT_MAX];
@@ -82,7 +82,7 @@ void completion_options(const char *name, const char *usage, FILE *out) {
     fprintf(out, "option|%s|--help|||explain this subcommand\n", name);
 }
 
-/* What follows "usage: shearctl NAME" on the first line, without "[OPTION...] ". */
+/* Print the text after "usage: shearctl NAME" on the first line, without "[OPTION...] ". */
 static void print_command(const command *c, FILE *out) {
     static const char options[] = "[OPTION...]";
     const char *line = c->usage + strlen("usage: shearctl ") + strlen(c->name);

@@ -13,7 +13,7 @@ static int no_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
 }
 
-/* "DIRECTORY/LAST"; the root's slash is not doubled. */
+/* Set *path to "DIRECTORY/LAST", without a second slash after the root directory. */
 static int join(const char *directory, const char *last, char **path, shear_error *err) {
     const char *slash = strcmp(directory, "/") == 0 ? "" : "/";
     return asprintf(path, "%s%s%s", directory, slash, last) < 0 ? no_memory(err) : SHEAR_OK;
@@ -42,7 +42,7 @@ int input_path_absolute(const char *name, char **path, shear_error *err) {
     return code;
 }
 
-/* Digits alone are a number, all else is a name. */
+/* Parse the HDU: digits only are a number, anything else is a name. */
 static int read_hdu(const char *name, const char *text, shear_input_part *part, shear_error *err) {
     const size_t n = strlen(text);
     if (strspn(text, "0123456789") != n) {

@@ -12,9 +12,9 @@
 #include <stdarg.h>
 #include <string.h>
 
-enum { ENTRIES_MAX = 64, FIRST_VALUE = 256 }; /* of an option without a short form */
+enum { ENTRIES_MAX = 64, FIRST_VALUE = 256 }; /* value of the first option without a short form */
 
-/* What getopt_long wants, made of the entries. */
+/* The arguments of getopt_long, built from the entries. */
 typedef struct long_options {
     struct option table[ENTRIES_MAX + SETTINGS_OPTIONS_MAX + 1];
     char letters[ENTRIES_MAX]; /* ":o:": the ':' in front makes it silent */
@@ -40,7 +40,7 @@ static void long_options_init(long_options *l, const option_entry *entries, bool
         settings_options_fill(l->table + n, SETTINGS_OPTIONS_MAX + 1);
 }
 
-/* How many options begin with the given text: getopt_long takes any unambiguous beginning. */
+/* Count the options that begin with the given text: getopt_long accepts any unambiguous prefix. */
 static int count_beginnings(const char *text, size_t length, const struct option *table) {
     int n = 0;
     for (; table->name != NULL; table++)
@@ -69,14 +69,14 @@ static enum exit_code fail_unknown(const command *self, const char *given,
     return EXIT_CODE_USAGE;
 }
 
-/* The option that getopt_long complains of. */
+/* Return the name of the option that getopt_long rejected. */
 static const char *name_of(int value, const struct option *table) {
     while (table->name != NULL && table->val != value)
         table++;
     return table->name != NULL ? table->name : "?";
 }
 
-/* getopt_long returned '?' or ':' (in `value`): say what is wrong with the option. */
+/* Print why getopt_long returned '?' or ':' (`value`). */
 static enum exit_code fail_option(const command *self, int value, char **argv,
                                   const struct option *table) {
     const char *given = argv[optind - 1];
@@ -85,7 +85,8 @@ static enum exit_code fail_option(const command *self, int value, char **argv,
     if (value == '?' && optopt == 0)
         return fail_unknown(self, given, table);
     if (value == '?' && strncmp(given, "--", 2) != 0) {
-        return fail_unknown(self, letter, table); /* of a bundle, which may still be argv[optind] */
+        /* Not `given`: in a group of short options, it is the option before. */
+        return fail_unknown(self, letter, table);
     }
     message_fail(NULL, "%s: option --%s %s", self->name, name_of(optopt, table), fault);
     return EXIT_CODE_USAGE;

@@ -18,7 +18,7 @@ bool part_options_any(const part_options *o) {
     return are_images_given(o, false) || o->given[SHEAR_PART_CATALOG] != NULL;
 }
 
-/* Another table for a field file: its parts, and that. */
+/* Replace only the catalog of a field file: the file itself is all other parts. */
 static void use_file(part_options *o, const char *file) {
     for (int i = 0; i < SHEAR_N_PARTS; i++)
         o->given[i] = i == SHEAR_PART_CATALOG ? o->given[i] : file;

@@ -5,12 +5,12 @@
 
 #include <string.h>
 
-/* Two values a setting: FIRST + 2 i is --NAME, FIRST + 2 i + 1 is --no-NAME. */
+/* Each setting has two values: FIRST + 2 i is --NAME, FIRST + 2 i + 1 is --no-NAME. */
 static size_t index_of(int value) {
     return (size_t)(value - SETTINGS_OPTION_FIRST) / 2;
 }
 
-/* The names "no-..." of the boolean settings, which struct option only points to. */
+/* Return the name "no-..." of a boolean setting; struct option only points to it. */
 static const char *negated_name(size_t index, const char *name) {
     static char names[SETTINGS_OPTIONS_MAX][40];
     snprintf(names[index], sizeof names[index], "no-%s", name);
@@ -53,7 +53,7 @@ int settings_options_handle(int value, const char *argument, shear_settings *s, 
     return shear_settings_give(s, given, def->name, argument, err);
 }
 
-/* What the help and the manual say of a setting. */
+/* The text on a setting in the help and the manual. */
 typedef struct setting_text {
     char choices[256]; /* "none, bilinear, bicubic"; "" unless it is a choice */
     char value[64];    /* its default */
@@ -70,7 +70,8 @@ static void setting_text_init(setting_text *t, const shear_setting_def *def) {
         text_list(t->choices, sizeof t->choices, def->choices);
 }
 
-/* Print words of `text` from column `indent`, at most 78 wide; the cursor is at `column`. */
+/* Print the words of `text` from column `indent` on, at most 78 columns wide; the cursor is at
+ * `column`. */
 static void print_wrapped(FILE *out, const char *text, int column, int indent) {
     while (*text != '\0') {
         int length = (int)strcspn(text, " ");
@@ -114,7 +115,7 @@ void settings_options_help(FILE *out) {
         print_help(&table[i], out);
 }
 
-/* Text for roff: backslashes and hyphens as such, and no control line by accident. */
+/* Print text as roff: escape backslashes and hyphens, and avoid control lines. */
 static void print_roff(FILE *out, const char *text) {
     if (text[0] == '.' || text[0] == '\'')
         fputs("\\&", out);

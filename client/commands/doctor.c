@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl doctor: is the set-up sound? */
+/* shearctl doctor: check the installation of the service. */
 #include "doctor/doctor.h"
 
 #include "base/cleanup.h"

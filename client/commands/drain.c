@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl drain. */
+/* shearctl drain: stop starting jobs, and stop the service when the running ones have ended. */
 #include "remote/service_query.h"
 #include "remote/status_text.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl field: the shear of one field, as the service has it now. */
+/* shearctl field: the current shear of one field in the service. */
 #include "base/cleanup.h"
 #include "base/text.h"
 #include "remote/report_text.h"
@@ -14,7 +14,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* "12 counted, 2 to come (running: 31, 32)" */
+/* Print "12 counted, 2 to come (running: 31, 32)". */
 static void print_jobs(const sheard_msg_field_row *row) {
     char running[200] = "";
     for (size_t i = 0; i < row->n_running && strlen(running) < sizeof running - 24; i++) {
@@ -111,7 +111,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         return code;
     p.field.field = argv[optind];
     if (!jobs && s.json) {
-        p.field.limit = 0; /* else its files tell in which range PSF radii and cores are */
+        p.field.limit = 0; /* all files, which give the ranges of PSF radii and cores */
     }
     code = service_answer(&s, SHEARD_METHOD_FIELD, &p, &reply);
     if (code == EXIT_CODE_DONE && !s.json)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl fields: all fields, a line each. */
+/* shearctl fields: list all fields, one per line. */
 #include "base/cleanup.h"
 #include "base/clock.h"
 #include "remote/field_table.h"
@@ -9,7 +9,7 @@
 #include <getopt.h>
 #include <string.h>
 
-/* A field that has several rows is named once. */
+/* Print the names; a field with several rows only once. */
 static void print_names(const sheard_msg_field_page *page) {
     char name[256];
     for (size_t i = 0; i < page->n_fields; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl forget: take back everything that was counted in a field. */
+/* shearctl forget: remove all contributions to a field. */
 #include "base/cleanup.h"
 #include "remote/service.h"
 #include "terminal/message.h"
@@ -7,7 +7,7 @@
 #include <getopt.h>
 #include <inttypes.h>
 
-/* Not yet: say what would be gone. */
+/* Print what would be removed, without removing it. */
 static enum exit_code explain(service *s, const sheard_msg_forget *what) {
     sheard_params p;
     sheard_reply reply = {0};

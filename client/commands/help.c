@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl help [SUBCOMMAND]. Two hidden forms feed the manual page (man/paste.cmake):
- * --settings-man, and --man SUBCOMMAND, which is the help text with a reference to the page's
- * SETTINGS; a third one, --completion-data, the shells' completions. */
+/* shearctl help [SUBCOMMAND]. Three hidden options: --settings-man and --man SUBCOMMAND (the help
+ * text with a reference to SETTINGS) generate the manual page (man/paste.cmake); --completion-data
+ * generates the shells' completions. */
 #include "cmdline/command.h"
 #include "cmdline/completion.h"
 #include "cmdline/settings_options.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl jobs: a list of jobs, the newest first. */
+/* shearctl jobs: list jobs, newest first. */
 #include "base/cleanup.h"
 #include "base/clock.h"
 #include "remote/job_text.h"
@@ -13,7 +13,7 @@
 
 enum { DEFAULT_LIMIT = 50 };
 
-/* "failed,cancelled" */
+/* Parse states: "failed,cancelled". */
 static enum exit_code set_states(const option_entry *e, const char *value) {
     unsigned *states = e->context;
     for (const char *at = value; *at != '\0'; at += *at == ',') {
@@ -35,7 +35,7 @@ static enum exit_code set_states(const option_entry *e, const char *value) {
     return EXIT_CODE_DONE;
 }
 
-/* A user's name or number, or "me". */
+/* Parse a user's name or number, or "me". */
 static enum exit_code set_owner(const option_entry *e, const char *value) {
     int64_t *owner = e->context;
     const bool me = strcmp(value, "me") == 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl measure: files in, the shear of each field out. */
+/* shearctl measure: measure field files, and print the shear of each field. */
 #include "base/cleanup.h"
 #include "local/catalog_path.h"
 #include "local/measure_group.h"
@@ -83,13 +83,13 @@ static enum exit_code show(const measure_group *g, const measure_options *o) {
     } else {
         result_text_print(g, &o->settings.values, stdout);
     }
-    fflush(stdout); /* a field's result is out before the next one is measured */
+    fflush(stdout); /* write a field's result before the next field is measured */
     if (!o->quiet)
         warnings_print(&g->warnings, g->field);
     return code;
 }
 
-/* A warning for every duplicate, with the field that it would have been counted to. */
+/* Warn of every duplicate, with the field that it belongs to. */
 static void warn_duplicates(measure_input *inputs, size_t n, measure_group *groups,
                             size_t n_groups) {
     for (size_t i = 0; i < n; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl metrics. */
+/* shearctl metrics: print the service's metrics in Prometheus' format. */
 #include "remote/service_query.h"
 
 static void print(const sheard_reply *reply, const service *s) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl mock: a field file of mock galaxies whose shear is known. */
+/* shearctl mock: write a field file of mock galaxies with a known shear. */
 #include "shear_mocks/mock.h"
 #include "base/cleanup.h"
 #include "cmdline/options.h"
@@ -109,7 +109,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return EXIT_CODE_DONE;
 }
 
-/* A test holds this text against the table: every option, with the default that it has there. */
+/* A test compares this text with the table: every option must be listed with its default. */
 const command cmd_mock = {
     .name = "mock",
     .summary = "make a field file of mock galaxies with a known shear",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl plot: a picture of a field file or of a result catalog. */
+/* shearctl plot: draw a field file or a result catalog. */
 #include "plot/plot.h"
 #include "base/cleanup.h"
 #include "cmdline/options.h"
@@ -13,9 +13,9 @@
 
 typedef struct plot_command {
     const char *path;
-    const char *out; /* or NULL: by the input's name */
+    const char *out; /* NULL: derived from the input's name */
     bool force;
-    bool stamps_given; /* good for a field file alone, as settings are */
+    bool stamps_given; /* valid only for a field file, like settings */
     option_settings settings;
     plot_options options;
 } plot_command;
@@ -48,8 +48,8 @@ static bool are_settings_given(const option_settings *s) {
     return memchr(s->given, true, sizeof s->given) != NULL;
 }
 
-/* The input's base name without .gz, .fz, .fits, in the current directory, ".png" added. The
- * caller frees it. */
+/* Return the input's base name without .gz, .fz, .fits, with ".png" appended: a path in the current
+ * directory, to be freed by the caller. NULL if out of memory. */
 static char *default_output(const char *path) {
     static const char *const endings[] = {".gz", ".fz", ".fits", ".fit"};
     const char *slash = strrchr(path, '/');
@@ -64,7 +64,7 @@ static char *default_output(const char *path) {
     return asprintf(&out, "%.*s.png", (int)length, base) < 0 ? NULL : out;
 }
 
-/* Options that a catalog has no use for are a misunderstanding, to be told of. */
+/* Reject options that do not apply to a catalog. */
 static enum exit_code refuse_field_options(const plot_command *c) {
     if (c->stamps_given || are_settings_given(&c->settings)) {
         message_fail("plot the field file to see its stamps, or leave these options out",
@@ -98,7 +98,7 @@ static enum exit_code draw_catalog(shear_figure **figure, const plot_command *c,
     return code;
 }
 
-/* What opens decides what the file is. */
+/* Draw the file; its kind is the one as which it can be opened. */
 static enum exit_code draw(shear_figure **figure, const plot_command *c) {
     shear_error err = {0};
     shear_field *field = NULL;
@@ -112,7 +112,7 @@ static enum exit_code draw(shear_figure **figure, const plot_command *c) {
     return measure_failure_of(err.code, false);
 }
 
-/* --force must not cost the user his data. */
+/* Return whether `out` is the input file, which --force must not overwrite. */
 static bool is_input(const char *out, const char *path) {
     struct stat a;
     struct stat b;
@@ -120,7 +120,8 @@ static bool is_input(const char *out, const char *path) {
            a.st_ino == b.st_ino;
 }
 
-/* The picture's path is printed. Returns an exit code, with an error printed. */
+/* Save the figure and print its path. Returns an exit code; on failure an error has been printed.
+ */
 static enum exit_code save(shear_figure *figure, const plot_command *c) {
     shear_error err = {0};
     char shown[4200];

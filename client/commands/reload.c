@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl reload. */
+/* shearctl reload: let the service read its configuration again. */
 #include "remote/service_query.h"
 #include "terminal/message.h"
 

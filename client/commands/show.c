@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl show: everything about jobs. */
+/* shearctl show: print all details of jobs. */
 #include "remote/job_text.h"
 #include "remote/service_query.h"
 

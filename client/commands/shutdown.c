@@ -4,7 +4,8 @@
 #include "remote/service.h"
 #include "remote/status_text.h"
 
-/* Is the socket systemd's? A client that asks now and then would undo the stop. */
+/* Return whether systemd owns the socket: then any client's request would start the service again.
+ */
 static bool is_activated(service *s) {
     sheard_rpc_error error;
     sheard_reply reply = {0};

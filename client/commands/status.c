@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl status: the state of the service. */
+/* shearctl status: print the state of the service. */
 #include "remote/service_query.h"
 #include "remote/status_text.h"
 #include "terminal/style.h"

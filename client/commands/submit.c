@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl submit: files to the service, as jobs. */
+/* shearctl submit: submit files to the service as jobs. */
 #include "base/cleanup.h"
 #include "remote/follow.h"
 #include "remote/job_text.h"
@@ -13,13 +13,13 @@
 
 typedef struct submit_state {
     submission_options what;
-    follow_options how; /* to wait */
+    follow_options how; /* with --wait */
     bool wait;
     service service;
-    int64_t *ids; /* [n_ids] accepted */
+    int64_t *ids; /* [n_ids] accepted jobs */
     size_t n_ids;
     size_t refused;
-    enum exit_code first_code; /* of the first that was refused */
+    enum exit_code first_code; /* of the first refused file */
 } submit_state;
 
 static enum exit_code check(const command *self, submit_state *o, char **files, int n) {
@@ -57,7 +57,7 @@ static void accept(submit_state *o, const sheard_msg_submitted *submitted, const
     fflush(stdout);
 }
 
-/* Send one. False: nothing more can be sent. */
+/* Send one request. Returns false if no further request can be sent. */
 static bool send_one(submit_state *o, const submission *what, const char *name) {
     sheard_rpc_error error = {0};
     sheard_reply reply = {0};
@@ -93,7 +93,7 @@ static void send_all(submit_state *o, char **names, size_t n) {
     }
 }
 
-/* With --json: each job as `shearctl show` gives it. */
+/* Print each job as `shearctl show` does, for --json. */
 static enum exit_code print_jobs(submit_state *o) {
     enum exit_code code = EXIT_CODE_DONE;
     for (size_t i = 0; code == EXIT_CODE_DONE && i < o->n_ids; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl validate: is this a good field file, what is in it, would it measure? */
+/* shearctl validate: check a field file, and report its content and whether it can be measured. */
 #include "base/cleanup.h"
 #include "cmdline/options.h"
 #include "local/field_scan.h"
@@ -35,7 +35,8 @@ static enum exit_code show(const sheard_validation_report *v, bool json) {
     return EXIT_CODE_DONE;
 }
 
-/* Open, plan, scan: as far as it goes. Returns an error code, with words for the conclusion. */
+/* Open, plan and scan the file, as far as possible. Returns an error code, with the reason for the
+ * conclusion. */
 static int look_into(const validate_options *o, shear_field **field, shear_plan **plan,
                      sheard_validation_report *v, shear_error *words) {
     int code = shear_field_open(field, v->path, words);
@@ -58,7 +59,7 @@ static int look_into(const validate_options *o, shear_field **field, shear_plan 
     return SHEAR_OK;
 }
 
-/* One file; *good says how it fared. Returns an exit code for what is not the file's fault. */
+/* Validate one file, and set *good. Returns an exit code for failures that are not the file's. */
 static enum exit_code validate(const char *path, const validate_options *o, bool *good) {
     CLEANUP(shear_field_release) shear_field *field = NULL;
     CLEANUP(shear_plan_release) shear_plan *plan = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl version: the library that is linked, and what it was built with. */
+/* shearctl version: print the versions of shearctl and its libraries. */
 #include "shear/version.h"
 #include "build_info.h"
 #include "cmdline/command.h"

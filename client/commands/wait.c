@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl wait: until jobs are finished. */
+/* shearctl wait: wait until jobs have ended. */
 #include "base/cleanup.h"
 #include "remote/follow.h"
 #include "terminal/message.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl watch: the service, live. */
+/* shearctl watch: a live view of the service. */
 #include "base/cleanup.h"
 #include "base/clock.h"
 #include "remote/watch_view.h"
@@ -15,7 +15,7 @@ enum { DEFAULT_JOBS = 8, MAX_JOBS = 50 };
 typedef struct watch_options {
     service service;
     double interval_s;
-    int64_t count; /* pictures; 0: no end */
+    int64_t count; /* number of snapshots; 0: no limit */
     int64_t jobs;
 } watch_options;
 
@@ -28,7 +28,7 @@ static enum exit_code set_interval(const option_entry *e, const char *value) {
     return EXIT_CODE_DONE;
 }
 
-/* ---- Lines, where there is no terminal ---- */
+/* ---- Lines, without a terminal ---- */
 
 static enum exit_code print_one(watch_options *w) {
     CLEANUP(watch_view_deinit) watch_view view = {0};
@@ -61,7 +61,7 @@ static enum exit_code print_many(watch_options *w) {
 
 /* ---- The screen ---- */
 
-/* Ask for a picture and print it. Not connected, or no longer: connect first. */
+/* Request a snapshot and print it; connect first if necessary. */
 static enum connection_status print_view(watch_options *w, FILE *out, sheard_rpc_error *error) {
     service *s = &w->service;
     if (s->connection == NULL) {
@@ -80,7 +80,7 @@ static enum connection_status print_view(watch_options *w, FILE *out, sheard_rpc
     return status;
 }
 
-/* A picture as text, or why there is none. */
+/* Build the text of a snapshot, or of the reason why there is none. */
 static void compose(watch_options *w, FILE *out) {
     char time[HUMAN_SIZE];
     char text[512];
@@ -92,7 +92,7 @@ static void compose(watch_options *w, FILE *out) {
     fprintf(out, "\n%s   q ends\n", human_time(clock_ms(CLOCK_REALTIME), w->service.utc, time));
 }
 
-/* Returns false when memory is out. */
+/* Draw. Returns false if out of memory. */
 static bool draw(watch_options *w) {
     CLEANUP(release_free) char *text = NULL;
     size_t size = 0;

@@ -12,13 +12,13 @@ static const char *next_line(const char *line) {
     return end != NULL ? end + 1 : line + strlen(line);
 }
 
-/* The line is "[section]". */
+/* Return whether the line is "[section]". */
 static bool is_section(const char *line, const char *section) {
     const size_t n = strlen(section);
     return line[0] == '[' && strncmp(line + 1, section, n) == 0 && line[1 + n] == ']';
 }
 
-/* What stands behind "key =" in the line, or NULL. */
+/* Return the text after "key =" in the line, or NULL. */
 static const char *value_of(const char *line, const char *key) {
     const size_t n = strlen(key);
     if (strncmp(line, key, n) != 0)
@@ -27,7 +27,7 @@ static const char *value_of(const char *line, const char *key) {
     return *line == '=' ? line + 1 : NULL;
 }
 
-/* The rest of the line and of those that begin with a space, each without spaces around it. */
+/* Collect the rest of the line and the following lines that begin with a space, each trimmed. */
 static char *collect(const char *at) {
     const size_t size = strlen(at) + 2;
     char *value = calloc(1, size);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The directories of the service, with our own eyes: are they there, can they be written to, is
- * there room, do their clocks agree. */
+/* Checks of the service's directories from this process: existence, write access, free space,
+ * clocks. */
 #include "base/cleanup.h"
 #include "base/clock.h"
 #include "base/io.h"
@@ -19,8 +19,8 @@
 
 static const int64_t little_bytes = INT64_C(1) << 30;
 static const int64_t too_little_bytes = INT64_C(100) << 20;
-static const double clock_tolerance_s = 2.0; /* some file systems have whole seconds */
-enum { CIFS_MAGIC = (int)0xFF534D42 };       /* not in linux/magic.h of all versions */
+static const double clock_tolerance_s = 2.0; /* some file systems store whole seconds */
+enum { CIFS_MAGIC = (int)0xFF534D42 };       /* missing in linux/magic.h of some versions */
 
 void doctor_report_space(doctor *d, const char *subject, const char *path, int64_t left) {
     char bytes[HUMAN_SIZE];
@@ -43,11 +43,11 @@ static void check_room(doctor *d, const char *subject, const char *path) {
     doctor_report_space(d, subject, path, (int64_t)fs.f_bavail * (int64_t)fs.f_frsize);
 }
 
-/* The database's write-ahead log needs shared memory that no network file system has. */
+/* The database's write-ahead log needs shared memory, which network file systems do not support. */
 void doctor_check_local(doctor *d, const char *path) {
     struct statfs fs;
     if (statfs(path, &fs) != 0) {
-        return; /* check_room has said why */
+        return; /* check_room has reported it */
     }
     if (fs.f_type == NFS_SUPER_MAGIC || fs.f_type == SMB_SUPER_MAGIC ||
         (int)fs.f_type == CIFS_MAGIC) {
@@ -97,8 +97,8 @@ static void check_folders(doctor *d) {
         doctor_ok(d, "spool", "incoming, active, done and failed are there, and can be written to");
 }
 
-/* Is there a lock (flock) on the file? The kernel's list is read: asking for the lock could take it
- * from a daemon that is just starting. */
+/* Return whether the file is locked (flock). This reads the kernel's list of locks: a test lock
+ * could make a daemon fail that is just starting. */
 static bool is_locked(const struct stat *st) {
     char line[256];
     char inode[32];
@@ -112,7 +112,7 @@ static bool is_locked(const struct stat *st) {
     return found;
 }
 
-/* A daemon holds a lock on its spool for as long as it runs. */
+/* Report whether a daemon holds the lock on its spool, as it does while it runs. */
 static void check_lock(doctor *d) {
     char path[4400];
     struct stat st;
@@ -135,7 +135,7 @@ static void check_lock(doctor *d) {
     }
 }
 
-/* The times of a file server decide when a file has stood still. */
+/* The watch folder compares file times, set by the file server, with the local clock. */
 void doctor_check_clock(doctor *d) {
     char path[4400];
     struct stat st;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* The socket of the configuration, unless another one is named. */
+/* Set the socket: the configuration's, unless --socket names another one. */
 static void choose_socket(doctor *d) {
     const char *environment = getenv("SHEARD_SOCKET");
     const bool named = d->service.socket != connection_default_path() ||
@@ -14,7 +14,7 @@ static void choose_socket(doctor *d) {
         d->service.socket = d->socket;
 }
 
-/* With the service's eyes, if it answers. */
+/* Look from the service's side, if it replies. */
 static void look(doctor *d) {
     if (d->reached)
         doctor_use_paths(d);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the service needs of the kernel for its readers' sandbox. */
+/* Checks of the kernel's features for the readers' sandbox. */
 #include "doctor/internal.h"
 
 #include <errno.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The daemon's program and its configuration. The program itself is asked: the configuration's
- * rules are its own. */
+/* Checks of the daemon's program and its configuration. The program itself checks the
+ * configuration. */
 #include "doctor/conf_text.h"
 #include "doctor/internal.h"
 #include "doctor/run_program.h"
@@ -16,7 +16,7 @@ static int ask(const char *config, const char *program, const char *what, char *
     return run_program(argv, text);
 }
 
-/* The first line that has `word`, and not `other` (unless that is NULL), cut; NULL: none. */
+/* Return the first line that contains `word` but not `other` (unless NULL), truncated; or NULL. */
 static const char *line_with(const char *text, const char *word, const char *other, char *buf,
                              size_t size) {
     while (*text != '\0') {
@@ -66,7 +66,7 @@ void doctor_check_config(doctor *d) {
                     "%s is not valid: %s", name, why != NULL ? why : "no reason was given");
     } else if (line_with(said, "warning", d->told ? "data_roots" : NULL, line, sizeof line) !=
                NULL) {
-        /* of the data roots, the service's own word comes later */
+        /* data roots: the service reports on them later */
         doctor_warn(d, "config", "sheard --check-config tells more", "%s", line);
     } else {
         doctor_ok(d, "config", "%s is valid", name);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a check reports its results: lines for people, or JSON. */
+/* Output of a check's results, as lines of text or as JSON. */
 #include "doctor/internal.h"
 
 #include "base/cleanup.h"

@@ -21,7 +21,7 @@ enum { OUTPUT_MAX = 1 << 20, PATIENCE_S = 10 };
 
 extern char **environ;
 
-/* False: the time is over. What does not fit into buf is thrown away. */
+/* Read all output; what does not fit into buf is dropped. Returns false on timeout. */
 static bool collect(int fd, char *buf, size_t size) {
     const double deadline = clock_s(CLOCK_MONOTONIC) + PATIENCE_S;
     char rest[4096];
@@ -78,7 +78,7 @@ int run_program(const char *const argv[], char **text) {
     return good && WIFEXITED(state) ? WEXITSTATUS(state) : -1;
 }
 
-/* "DIRECTORY/name" if that is a program; `length` bytes of directory. */
+/* Return "DIRECTORY/name" if that is a program, or NULL; `length` bytes of directory. */
 static char *find_in(const char *directory, size_t length, const char *name) {
     char *path = NULL;
     if (asprintf(&path, "%.*s/%s", (int)length, directory, name) < 0)
@@ -99,7 +99,7 @@ static char *search(const char *directories, const char *name) {
     return found;
 }
 
-/* Beside this program, or in ../sbin of it. */
+/* Look beside this program, and in ../sbin. */
 static char *find_beside(const char *name) {
     char own[4096];
     const ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the service that answers sees of its directories, and whether it can measure: its own word,
- * for it may have another configuration, other rights, and other file systems than we (PrivateTmp,
+/* Checks as the running service reports them: its directories, and whether it can measure. It may
+ * have another configuration, other permissions and other mounts than this process (PrivateTmp,
  * ProtectHome). */
 #include "doctor/internal.h"
 
@@ -15,7 +15,7 @@ static char *copy(const char *text) {
 void doctor_use_paths(doctor *d) {
     const sheard_msg_status *s = &d->status.status;
     if (s->config == NULL || s->state_dir == NULL) {
-        return; /* of an older release: it does not tell */
+        return; /* an older release, which does not report its paths */
     }
     free(d->state_dir);
     free(d->spool);

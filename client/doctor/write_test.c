@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* May the service write there? It is tried, by whoever the service would run as: that a directory
- * exists, and what its mode looks like, tells little. */
+/* Write test in a directory, as the user of the service: existence and mode are not sufficient
+ * evidence. */
 #include "doctor/internal.h"
 
 #include "base/io.h"
@@ -16,7 +16,7 @@
 
 static const char service_user[] = "sheard";
 
-/* The user that root looks for: NULL if that is us. */
+/* Return the user for the test if this is root; NULL: the user of this process. */
 static const struct passwd *other_user(void) {
     return geteuid() == 0 ? getpwnam(service_user) : NULL;
 }
@@ -26,11 +26,11 @@ static bool become(const struct passwd *user) {
            setuid(user->pw_uid) == 0;
 }
 
-/* In a child, which may give itself up. 0 or errno. */
+/* Try it in a child process, which can change its user. Returns 0 or errno. */
 static int try_as(const struct passwd *user, const char *directory) {
     int status = 0;
-    fflush(NULL); /* what was said is said once: a sanitizer's _exit writes out the child's copy,
-                     too */
+    fflush(NULL); /* flush before fork: a sanitizer's _exit would write the child's copy of the
+                     buffers */
     const pid_t pid = fork();
     if (pid == 0) {
         const bool good = user == NULL || become(user);

@@ -18,7 +18,8 @@ static bool is_directory(const char *path) {
     return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
 }
 
-/* "in/stamps.fits.gz" -> "DIRECTORY/stamps.shear.fits"; malloc'd, or NULL */
+/* Return "DIRECTORY/stamps.shear.fits" for "in/stamps.fits.gz": malloc'd, or NULL if out of memory.
+ */
 static char *path_in(const char *directory, const char *input) {
     static const char *const endings[] = {".gz", ".fz", ".fits", ".fit"};
     const char *slash = strrchr(input, '/');
@@ -44,7 +45,7 @@ static bool reads_file(const shear_input *input, const struct stat *st) {
     return reads;
 }
 
-/* The catalog's place is there already: may it be replaced? */
+/* Check whether an existing file at the catalog's path may be replaced. */
 static enum exit_code check_existing(const char *path, const struct stat *st,
                                      const measure_input *inputs, size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
@@ -64,7 +65,7 @@ static enum exit_code check_existing(const char *path, const struct stat *st,
     return EXIT_CODE_DONE;
 }
 
-/* Why no file can be made in `directory`: an errno, or 0. */
+/* Return 0 if files can be created in `directory`, or else errno. */
 static int unwritable(const char *directory) {
     struct stat st;
     if (stat(directory, &st) != 0)
@@ -75,7 +76,7 @@ static int unwritable(const char *directory) {
 }
 
 static enum exit_code check_parent(const char *path) {
-    CLEANUP(release_free) char *copy = strdup(path); /* dirname may write to it */
+    CLEANUP(release_free) char *copy = strdup(path); /* dirname may modify it */
     if (copy == NULL)
         return message_no_memory();
     const char *parent = dirname(copy);

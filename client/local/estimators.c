@@ -28,7 +28,7 @@ double estimators_ratio(const sheard_report_estimators *e) {
 }
 
 char *estimators_words(const sheard_report_estimators *e, char *buf, size_t size) {
-    static const double alike = 1.05; /* what errors of 200 stamps can tell */
+    static const double alike = 1.05; /* smaller ratios are within the errors of 200 stamps */
     const double ratio = estimators_ratio(e);
     const double times = fmax(ratio, 1.0 / ratio);
     if (times < alike) {

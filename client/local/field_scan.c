@@ -13,8 +13,8 @@
 
 enum { BLOCK_BYTES = 8 << 20, MAX_BLOCK = 256 };
 
-/* Sums over noise stamps: their mean pixels and the squares of these, both about the first one's
- * (about zero, a bright sky would swallow what they scatter), and the variances of their pixels. */
+/* Sums over noise stamps: mean pixels, their squares, and the variances of the pixels. Means are
+ * relative to the first one, because a bright sky would cost precision. */
 typedef struct noise_levels {
     double n, first, mean, mean2, var;
 } noise_levels;
@@ -34,11 +34,12 @@ typedef struct scan_state {
 } scan_state;
 
 typedef struct pixel_statistics {
-    double lowest; /* of the finite ones */
+    double lowest; /* of the finite pixels */
     double mean, var;
 } pixel_statistics;
 
-/* `bad`: the setting bad-value; a file of floats holds the nearest one. */
+/* Collect statistics of n pixels. `bad`: the setting bad-value; a file of floats holds the nearest
+ * float. */
 static pixel_statistics look_at(const double *pixel, size_t n, double bad) {
     double narrow = fabs(bad) <= (double)FLT_MAX ? (double)(float)bad : bad;
     pixel_statistics p = {.lowest = INFINITY};
@@ -47,7 +48,7 @@ static pixel_statistics look_at(const double *pixel, size_t n, double bad) {
     for (size_t i = 0; i < n; i++) {
         if (isfinite(pixel[i]) && pixel[i] < p.lowest && pixel[i] != bad && pixel[i] != narrow)
             p.lowest = pixel[i];
-        double d = pixel[i] - pixel[0]; /* about the first: see noise_levels */
+        double d = pixel[i] - pixel[0]; /* relative to the first: see noise_levels */
         sum += d;
         squares += d * d;
     }
@@ -56,7 +57,7 @@ static pixel_statistics look_at(const double *pixel, size_t n, double bad) {
     return p;
 }
 
-/* All noise stamps of stamp i as one. */
+/* Treat all noise stamps of stamp i as one. */
 static pixel_statistics look_at_noise(const shear_stamps *t, int i, double bad) {
     const int planes = t->noise_planes > 1 ? t->noise_planes : 1;
     const size_t n = (size_t)t->nx * (size_t)t->ny;
@@ -83,7 +84,7 @@ static void levels_add(noise_levels *l, const pixel_statistics *noise) {
 static void set_noise(const noise_levels *l, sheard_validation_report *v) {
     double mean = l->mean / l->n;
     double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
-    v->noise_mean = l->first + mean; /* 0/0 if there are none */
+    v->noise_mean = l->first + mean; /* 0/0 if there are no noise stamps */
     v->noise_mean_err = l->n > 1.0 ? sqrt(scatter2 / (l->n - 1.0)) : NAN;
     v->noise_rms = sqrt(l->var / l->n);
 }
@@ -94,12 +95,13 @@ static void fault_add(sheard_fault *f, int64_t index) {
     f->count++;
 }
 
-/* Then its lowest pixel may be one that says nothing of the others. */
+/* Return whether the stamp has an artefact: its lowest pixel may then not be typical. */
 static bool has_artefact(unsigned flags) {
     return (flags & ((unsigned)SHEAR_FLAG_ARTEFACT | (unsigned)SHEAR_FLAG_NOISE_ARTEFACT)) != 0;
 }
 
-/* Everything about stamp i that needs no measuring (only SHEAR_FLAG_OVERFLOW does), into *flags. */
+/* Determine everything about stamp i that needs no measurement; *flags gets all flags except
+ * SHEAR_FLAG_OVERFLOW. */
 static int look_at_stamp(scan_state *s, const shear_stamps *t, int i, unsigned *flags,
                          shear_error *err) {
     size_t n = (size_t)t->nx * (size_t)t->ny;
@@ -128,7 +130,8 @@ static void count_flags(sheard_validation_report *v, unsigned flags, int64_t ind
     v->n_measurable += flags == 0;
 }
 
-/* In the blocks that shearctl measure makes: then the result is the same to the last bit. */
+/* Add the row in the same blocks as shearctl measure, so that the result is the same to the last
+ * bit. */
 static void add_row(scan_state *s, const shear_row *row, int64_t index) {
     shear_block_sums_add(&s->under_way, row);
     if ((index + 1) % SHEAR_BLOCK == 0) {
@@ -145,8 +148,7 @@ static int scan_block(scan_state *s, shear_error *err) {
         if (code != SHEAR_OK)
             return code;
     }
-    /* Stamps that a log method cannot take would be an error here: they are reported as such
-     * instead. */
+    /* A log method fails for stamps with negative pixels; those are reported instead. */
     if (s->v->negative.count == 0) {
         int code = shear_measure_batch(s->plan, t, 0, NULL, s->rows, err);
         if (code != SHEAR_OK)
@@ -216,7 +218,7 @@ static void scan_deinit(scan_state *s) {
     shear_field_sums_free(s->sums);
 }
 
-/* The mean's result stands for the estimator that is asked for. */
+/* Report the result of the mean under the name of the estimator that was requested. */
 static void set_estimator(shear_result *r, enum shear_estimator estimator) {
     r->estimator = estimator;
     if (shear_estimator_is_symmetric(estimator) && r->valid && r->n_used < SHEAR_SYMMETRY_FEWEST) {

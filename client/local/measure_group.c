@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The group of this field: one that is there, or the next one. */
+/* Return the group of this field, or a new group after the last. */
 static measure_group *group_of(measure_group *groups, size_t n, const char *field) {
     for (size_t i = 0; i < n; i++) {
         if (strcmp(groups[i].field, field) == 0)
@@ -58,7 +58,7 @@ static int by_checksum(const void *a, const void *b) {
     return strcmp((*x)->checksum, (*y)->checksum);
 }
 
-/* An hour of work must not end in "fewer blocks than groups". */
+/* Check this before measuring: an hour of work must not end in "fewer blocks than groups". */
 static int check_blocks(const measure_group *g, int groups, shear_error *err) {
     int64_t blocks = 0;
     for (size_t i = 0; i < g->n; i++)
@@ -80,7 +80,7 @@ static void fail_all(measure_group *g, int code, const shear_error *err) {
     }
 }
 
-/* What the files of a group are joined into. */
+/* The sums of all files of a group. */
 typedef struct gathering {
     shear_field_sums *sums;
     shear_symmetry *terms; /* or NULL */
@@ -109,7 +109,7 @@ static void run_input(measure_input *input, const measure_options *o, const gath
     input->measured = code == SHEAR_OK;
 }
 
-/* All files of the group, in `order`; how many were measured. */
+/* Measure all files of the group, in `order`. Returns how many were measured. */
 static size_t run_inputs(measure_input **order, size_t n, const measure_options *o,
                          const gathering *to) {
     size_t done = 0;
@@ -149,7 +149,7 @@ static void gathering_deinit(gathering *to) {
     shear_field_sums_free(to->sums);
 }
 
-/* Weights made of the stamps' own brightness. */
+/* Warn of weights that depend on the stamps' brightness. */
 static void check_weights(measure_group *g, const shear_symmetry *terms) {
     const rank_relation r = weight_check_terms(terms);
     if (rank_is_strong(&r)) {
@@ -179,7 +179,7 @@ static int run_all(measure_group *g, const measure_options *o, measure_input **o
                : shear_jackknife_finish(to.jack, &g->result, err);
 }
 
-/* A field without a usable stamp is bad input, but its counts are worth showing. */
+/* A field without a usable stamp is an error, but its counts are still shown. */
 static int check_result(const measure_group *g, shear_error *err) {
     char text[400];
     char advice[400];
@@ -202,7 +202,7 @@ static int check_result(const measure_group *g, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* The advice is on the first file's PSF; others may have others. */
+/* The advice concerns the PSF of the first file; warn if other files have another one. */
 static void warn_of_other_psfs(measure_group *g) {
     char line[SHEARD_ADVICE_SIZE];
     CLEANUP(release_free) sheard_report_file *files = calloc(g->n, sizeof *files);
@@ -213,7 +213,7 @@ static void warn_of_other_psfs(measure_group *g) {
     }
 }
 
-/* What stands out in the result. */
+/* Add warnings about the result. */
 static void add_warnings(measure_group *g, size_t done) {
     sheard_advice_list advice;
     const measure_input *top = done > 1 ? measure_group_top(g) : NULL;
@@ -229,7 +229,7 @@ static void add_warnings(measure_group *g, size_t done) {
 }
 
 static int measure(measure_group *g, const measure_options *o, size_t *done, shear_error *err) {
-    /* The order of the arguments, or, for the jackknife, of the checksums. */
+    /* in the order of the arguments, or of the checksums for a jackknife */
     CLEANUP(release_free) measure_input **order = calloc(g->n, sizeof(measure_input *));
     if (order == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* `name`: of its field, or NULL: the file must name it. */
+/* Open and check the file. `name` is the name of its field; NULL: the file must contain one. */
 static int look_into(measure_input *input, const char *name, shear_error *err) {
     shear_field *field = NULL;
     int code = shear_field_open_input(&field, input->source, NULL, err);
@@ -20,8 +20,8 @@ static int look_into(measure_input *input, const char *name, shear_error *err) {
                : shear_field_need_name(&input->info, measure_input_path(input), err);
 }
 
-/* Does an earlier file hold the same bytes and count to the same field? Its counting twice would
- * halve the variance. */
+/* Return whether an earlier file has the same content and field: counted twice, it would halve the
+ * variance. */
 static bool is_duplicate(const measure_input *inputs, size_t i) {
     for (size_t j = 0; j < i; j++) {
         if (inputs[j].failure == 0 && strcmp(inputs[j].checksum, inputs[i].checksum) == 0 &&
@@ -81,7 +81,7 @@ enum exit_code measure_failure_of(int shear_code, bool writing) {
 
 enum exit_code measure_inputs_exit_code(const measure_input *inputs, size_t n) {
     size_t done = 0;
-    size_t failed[EXIT_CODE_PARTLY] = {0}; /* by reason */
+    size_t failed[EXIT_CODE_PARTLY] = {0}; /* numbers of files by exit code */
     for (size_t i = 0; i < n; i++) {
         if (inputs[i].failure != 0) {
             failed[inputs[i].failure]++;

@@ -16,7 +16,7 @@ static const char *place_of(const char *band) {
                                           : "";
 }
 
-/* Why nothing was read off. */
+/* Print why the noise level was not determined. */
 static void print_unchecked(const quality_lines *q, FILE *out) {
     if (q->r_psf_px < 1.0) {
         text_line(out, "level",
@@ -35,7 +35,7 @@ static void print_level(const quality_lines *q, FILE *out) {
     char effect[64];
     char words[96] = "";
     if (!isfinite(q->noise_level)) {
-        if (q->noise_share != 0.0) { /* there is some, and it is taken off */
+        if (q->noise_share != 0.0) { /* photon noise exists, and is subtracted */
             print_unchecked(q, out);
         }
         return;

@@ -19,7 +19,7 @@ static int by_value(const void *a, const void *b) {
     return (x->value > y->value) - (x->value < y->value);
 }
 
-/* Twice the rank of each value about the middle, -n+1 .. n-1. */
+/* Set rank[] to twice the rank of each value, relative to the middle: -n+1 .. n-1. */
 static void set_ranks(const double *value, size_t n, ranked_item *items, int64_t *rank) {
     for (size_t i = 0; i < n; i++)
         items[i] = (ranked_item){value[i], i};

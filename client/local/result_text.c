@@ -13,8 +13,8 @@
 #include <math.h>
 #include <string.h>
 
-/* "1.6 px", or "1.5 to 1.7 px" if the files differ. `member` is the offset of a double in
- * shear_plan_info. */
+/* Write "1.6 px", or "1.5 to 1.7 px" if files differ, into buf. `member` is the offset of a double
+ * in shear_plan_info. Returns buf. */
 static char *range(const measure_group *g, size_t member, char *buf, size_t size) {
     double low = INFINITY;
     double high = -INFINITY;
@@ -58,7 +58,7 @@ static void print_shear(const measure_group *g, FILE *out) {
     }
 }
 
-/* Both estimators, a line each, and which of them is more precise. */
+/* Print one line per estimator, and which one is more precise. */
 static void print_estimators(const sheard_report_estimators *e, FILE *out) {
     char g1[96];
     char g2[96];
@@ -93,7 +93,7 @@ static void print_method(const measure_group *g, const shear_settings *settings,
     method_text_print(&m, out);
 }
 
-/* Why there is no shear. */
+/* Print why there is no shear. */
 static void print_no_shear(const measure_group *g, FILE *out) {
     sheard_cause cause = {.words = sheard_no_shear_brief(&g->result)};
     sheard_cause_of(&g->result, &measure_group_first(g)->report.plan, &cause);

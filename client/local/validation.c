@@ -9,16 +9,16 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A number of two digits a little above -lowest > 0: a pedestal that is easy to type and leaves no
- * pixel at zero. */
+/* Return a number of two digits slightly above -lowest > 0: a pedestal that makes all pixels
+ * positive. */
 static double pedestal_above(double lowest) {
     double x = 1.01 * -lowest;
     double unit = pow(10.0, floor(log10(x)) - 1.0);
     return ceil(x / unit) * unit;
 }
 
-/* A background that the filter would cut an edge into: its mean is beyond doubt, and no small part
- * of what a pixel scatters. */
+/* Return whether there is a background that the filter would turn into an edge: its mean is
+ * significant, and not small compared to the scatter of pixels. */
 static bool has_background(const sheard_validation_report *v) {
     static const double sigma = 4.0;
     static const double part = 0.1;
@@ -31,7 +31,7 @@ static const char subtract_background[] =
     "the noise stamps have a mean, a background that the filter would cut an edge into: give "
     "--background noise-mean";
 
-/* What to do about a file that would measure. */
+/* Return the advice for a file that can be measured. */
 static const char *advice_for(const sheard_validation_report *v) {
     if (has_background(v))
         return subtract_background;

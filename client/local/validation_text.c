@@ -89,7 +89,7 @@ static void print_noise(const sheard_validation_report *v, FILE *out) {
     }
 }
 
-/* What the scan of every stamp found. */
+/* Print the results of the scan of all stamps. */
 static void print_scan(const sheard_validation_report *v, FILE *out) {
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++)
         print_fault(shear_flag_name(bit), shear_flag_help(bit), &v->flags[bit], out);

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Shears are compared at the level of 1e-5 even where one field tells less. */
+/* Shears are compared at the level of 1e-5, even if the error of a single field is larger. */
 enum { MIN_DECIMALS = 5, MAX_DECIMALS = 12 };
 
 int value_text_decimals(double error) {

@@ -54,7 +54,7 @@ rank_relation weight_check_relation(const weight_check *c) {
     return rank_relate(c->weight, c->flux, c->n);
 }
 
-/* Leave out stamps without weight; how many are left. */
+/* Remove stamps without a positive weight. Returns the number of remaining stamps. */
 static size_t keep_positive(double *weight, double *d, size_t n) {
     size_t kept = 0;
     for (size_t i = 0; i < n; i++) {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* First and number of the samples within reach of the origin; at least one. */
+/* Find the first and the number of the samples within `reach` of the origin; at least one. */
 static void within_reach(int n, double origin, double step, double reach, int *first, int *count) {
     double lo = 0.0;
     double hi = n - 1.0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The picture of a result catalog. */
+/* The figure for a result catalog. */
 #include "plot/plot.h"
 #include "plot/text.h"
 
@@ -10,20 +10,20 @@
 
 enum { WIDTH = 1280, HEIGHT = 840, BINS = 48, MAX_BARS = SHEAR_N_FLAGS + 1 };
 
-/* A column of numbers of the unflagged rows. */
+/* The numbers of one column, without flagged rows. */
 typedef struct column_values {
     size_t n;
     double *values;
 } column_values;
 
-/* The mean of D with the weights: what N_i is measured in. */
+/* Return the weighted mean of D, the unit of N_i. */
 static double mean_d(const shear_catalog_table *t) {
     double sum_w = 0.0;
     double sum_d = 0.0;
     for (int64_t i = 0; i < t->n; i++) {
         const shear_row *row = &t->rows[i];
         if (row->flags == 0) {
-            const double w = isnan(row->weight) ? 1.0 : row->weight; /* a table without WEIGHT */
+            const double w = isnan(row->weight) ? 1.0 : row->weight; /* no column WEIGHT */
             sum_w += w;
             sum_d += w * row->d;
         }
@@ -31,7 +31,7 @@ static double mean_d(const shear_catalog_table *t) {
     return sum_d / sum_w;
 }
 
-/* N_1 or N_2 over <D>. */
+/* Set the column to N_1 or N_2 over <D>. */
 static void set_terms(column_values *c, const shear_catalog_table *t, bool second) {
     const double d = mean_d(t);
     c->n = 0;
@@ -49,7 +49,7 @@ static void set_snr(column_values *c, const shear_catalog_table *t) {
     }
 }
 
-/* An empty pair of axes that says why. */
+/* Draw empty axes that contain the reason. */
 static void draw_nothing(shear_figure *f, shear_rect cell, const char *title, const char *why) {
     const shear_axes axes = {
         .cell = cell, .title = title, .x = {.bare = true}, .y = {.bare = true}};
@@ -58,7 +58,7 @@ static void draw_nothing(shear_figure *f, shear_rect cell, const char *title, co
     shear_axes_end(f);
 }
 
-/* As few bins as show the shape: about the square root of the number of values. */
+/* Return the number of bins: about the square root of the number of values. */
 static int bins_for(size_t n) {
     return (int)fmin(fmax(2.0 * sqrt((double)n), 8.0), BINS);
 }
@@ -75,14 +75,14 @@ static void mark_shear(shear_figure *f, const shear_catalog_table *t, bool secon
     }
 }
 
-/* "g_1 = -0.0285 +- 0.0008" */
+/* Write "g_1 = -0.0285 +- 0.0008" into `title`. */
 static void shear_title(char title[PLOT_CELL], const shear_result *r, bool second) {
     plot_print(title, PLOT_CELL, "g_{%d} = %.5f \xc2\xb1 %.5f", second ? 2 : 1,
                second ? r->g2 : r->g1, second ? r->g2_err : r->g1_err);
 }
 
-/* Five robust sigmas about the middle, but no further than the values go: a few wild stamps must
- * not squeeze the rest. */
+/* Set the range to five robust sigmas around the median, limited to the values: a few outliers must
+ * not compress the rest. */
 static int robust_range(shear_range *r, const column_values *c, shear_error *err) {
     shear_range inner;
     const int code = shear_range_percentile(&inner, c->values, c->n, 15.87, 84.13, err);
@@ -95,8 +95,8 @@ static int robust_range(shear_range *r, const column_values *c, shear_error *err
     return code;
 }
 
-/* The distribution of the column over `r`; axes that are begun, with `head` times the highest bar.
- */
+/* Begin axes and draw the histogram of the column over `r`; the y axis extends to `head` times the
+ * highest bar. */
 static void begin_histogram(shear_figure *f, shear_axes axes, const column_values *c, shear_range r,
                             double head, int hue) {
     double counts[BINS];
@@ -137,8 +137,8 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
     return SHEAR_OK;
 }
 
-/* The same span on both axes, so that the ellipse has its true shape; two sigma and the truth
- * inside. */
+/* Return half the span of both axes, the same so that the ellipse keeps its shape; it includes two
+ * sigma and the truth. */
 static double plane_reach(const shear_catalog_table *t) {
     const shear_result *r = &t->result;
     double reach = 2.0 * fmax(r->g1_err, r->g2_err);
@@ -175,7 +175,7 @@ static void draw_plane(shear_figure *f, shear_rect cell, const shear_catalog_tab
     shear_axes_end(f);
 }
 
-/* The flag's name with blanks. */
+/* Write the flag's name with spaces into `name`. */
 static void flag_words(char name[PLOT_CELL], int bit) {
     snprintf(name, PLOT_CELL, "%s", shear_flag_name(bit));
     for (char *p = name; *p != '\0'; p++) {
@@ -191,9 +191,9 @@ typedef struct flag_bars {
     const char *names[MAX_BARS];
 } flag_bars;
 
-/* From the bottom up: the flags that occur, the used stamps on top. */
+/* Collect the bars from the bottom up: the flags that occur, then the used stamps. */
 static void collect_bars(flag_bars *b, const shear_catalog_table *t) {
-    int64_t counts[SHEAR_N_FLAGS + 1] = {0}; /* the last: without a flag */
+    int64_t counts[SHEAR_N_FLAGS + 1] = {0}; /* the last: no flag */
     for (int64_t i = 0; i < t->n; i++) {
         for (int bit = 0; bit < SHEAR_N_FLAGS; bit++)
             counts[bit] += t->rows[i].flags >> bit & 1;
@@ -254,7 +254,7 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
     if (code != SHEAR_OK)
         return code;
     if (shear_range_of(c->values, c->n).lo >= 0.0) {
-        r.lo = fmax(r.lo, 0.0); /* there is nothing below */
+        r.lo = fmax(r.lo, 0.0); /* no values are below */
     }
     begin_histogram(f, axes, c, r, 1.25, SHEAR_GREEN);
     plot_print(text, sizeof text, "median %.3g", median.lo);
@@ -294,7 +294,7 @@ static void draw_summary(shear_figure *f, shear_rect cell, const shear_catalog_t
     plot_table_draw(&table, f, cell, "Result");
 }
 
-/* What follows from the shear; or why there is none. */
+/* Draw the panels that need a shear, or the reason why there is none. */
 static int draw_shear(shear_figure *f, const shear_grid *grid, const shear_catalog_table *t,
                       column_values *c, shear_error *err) {
     static const char *const titles[] = {"first component", "second component",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The last row of the sheet: the PSF, its transfer, the spectra's profiles, the plan. */
+/* The last row of a sheet: the PSF, its transfer, the profiles of the spectra, the plan. */
 #include "plot/sheet.h"
 #include "plot/text.h"
 
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double PSF_DEPTH = 1e-4; /* of the PSF's colours */
+static const double PSF_DEPTH = 1e-4; /* range of the PSF's colour scale */
 static const double PROFILE_DEPTH = 1e-8;
 static const double PSF_REACH = 6.0; /* R_PSF shown around the centre */
 
@@ -53,7 +53,7 @@ static int draw_transfer(shear_figure *f, shear_rect cell, const stamp_reader *b
     return SHEAR_OK;
 }
 
-/* Azimuthal means over |k|. */
+/* The azimuthal means, as functions of |k|. */
 enum {
     PROFILE_K,
     PROFILE_POWER,
@@ -65,7 +65,7 @@ enum {
 };
 typedef struct profiles {
     int bins;
-    double *of[N_PROFILES]; /* [bins]; the first owns all */
+    double *of[N_PROFILES]; /* [bins]; all in the allocation of the first */
 } profiles;
 
 static void profiles_deinit(profiles *p) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sheet of a field file: rows of stamps, and the plan below. */
+/* The sheet of a field file: one row per stamp, and the plan below. */
 #include "plot/sheet.h"
 
 #include "plot/text.h"
@@ -11,14 +11,15 @@ enum { WIDTH = 1330, LEFT = 34, TOP = 96, STAMP_ROW = 172, ROW_GAP = 8, PLAN_ROW
 static void draw_title(shear_figure *f, const stamp_reader *b) {
     char text[160];
     const shear_field_info *info = b->info;
-    const double width = shear_figure_text_width(f, info->name, 16.0) * 1.12; /* bold is wider */
+    const double width =
+        shear_figure_text_width(f, info->name, 16.0) * 1.12; /* bold text is wider */
     shear_figure_text(f, PAD, 24.0, info->name, &(shear_text_style){.size = 16.0, .bold = true});
     plot_print(text, sizeof text, "%" PRId64 " stamps of %d \xc3\x97 %d px", info->n_stamps,
                info->geometry.nx, info->geometry.ny);
     shear_figure_text(f, PAD + width + 16.0, 24.0, text, &(shear_text_style){.size = 13.0});
 }
 
-/* Row i; under the first one, which is drawn last, the plan with its spectra. */
+/* Draw row i. The first row is drawn last, followed by the plan with its spectra. */
 static int draw_row(shear_figure *f, stamp_reader *b, const shear_grid *grid, int i, int64_t index,
                     shear_error *err) {
     const shear_rect below = {PAD, grid->area.y + grid->area.h + 22.0, WIDTH - 2.0 * PAD,

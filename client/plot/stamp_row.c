@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One row of the sheet: a stamp through all steps of its measurement. */
+/* One row of a sheet: a stamp through all steps of its measurement. */
 #include "plot/sheet.h"
 #include "plot/text.h"
 
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double POWER_DEPTH = 1e-6; /* of the spectra's colours */
+static const double POWER_DEPTH = 1e-6; /* range of the spectra's colour scale */
 static const double BAR_ROOM = 38.0;
 
 shear_image sheet_cut_image(shear_rect cell, const char *title, const plot_cut *cut) {
@@ -30,7 +30,7 @@ plot_lattice sheet_modes(const stamp_reader *b, const shear_inspection *steps) {
     const double two_pi = 2.0 * acos(-1.0);
     return (plot_lattice){.nx = steps->spec_nx,
                           .ny = steps->spec_ny,
-                          .x0 = (steps->spec_nx - 1) / 2.0, /* odd sizes: k = 0 in the middle */
+                          .x0 = (steps->spec_nx - 1) / 2.0, /* odd sizes: k = 0 is in the middle */
                           .y0 = (steps->spec_ny - 1) / 2.0,
                           .step_x = two_pi / b->info->geometry.nx,
                           .step_y = two_pi / b->info->geometry.ny};
@@ -93,7 +93,7 @@ void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y, cons
     heading(f, grid, 5, y, "P(k) = T |F|^{2}", text);
 }
 
-/* The same brightness for the galaxy before and after interpolation and filter. */
+/* Use one brightness scale for the galaxy before and after interpolation and filter. */
 static int galaxy_scale(shear_image *image, const sheet_stamp *stamp, size_t n, shear_error *err) {
     shear_range noise;
     image->stretch = SHEAR_ASINH;
@@ -101,7 +101,7 @@ static int galaxy_scale(shear_image *image, const sheet_stamp *stamp, size_t n, 
     if (code != SHEAR_OK)
         return code;
     code = shear_range_percentile(&noise, stamp->noise, n, 16.0, 84.0, err);
-    image->knee = noise.hi - noise.lo; /* 2 sigma; 0 or NaN without noise: automatic */
+    image->knee = noise.hi - noise.lo; /* 2 sigma; automatic if it is 0 or NaN (no noise) */
     return code;
 }
 
@@ -165,7 +165,7 @@ static void draw_label(shear_figure *f, shear_rect cell, const sheet_stamp *stam
                       &(shear_text_style){.align = 0.5, .upward = true});
 }
 
-/* A stamp that is left out has no further steps: say why. */
+/* Print the flags of a stamp that is left out and so has no further steps. */
 static void draw_flags(shear_figure *f, shear_rect cell, uint32_t flags) {
     double y = cell.y + cell.h / 2.0 - 14.0;
     shear_figure_text(f, cell.x + 10.0, y, "left out of the measurement:",

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A part of the file without usable stamps is given up after so many. */
+/* The search for a usable stamp in a part of the file ends after so many stamps. */
 enum { MAX_TRIES = 64 };
 
 int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,
@@ -33,8 +33,8 @@ static int measure(stamp_reader *b, int64_t index, shear_row *row, shear_error *
     return code != SHEAR_OK ? code : shear_measure(b->plan, b->ws, &b->block->stamps, 0, row, err);
 }
 
-/* A usable stamp of [first, end): the middle one, or the next after it, or from the beginning.
- * *found = -1 if there is none. */
+/* Find a usable stamp of [first, end): start at the middle, continue to the end, then from the
+ * beginning. *found = -1 if there is none. */
 static int find_usable(stamp_reader *b, int64_t first, int64_t end, int64_t *found,
                        shear_error *err) {
     const int64_t length = end - first;
@@ -53,7 +53,7 @@ static int find_usable(stamp_reader *b, int64_t first, int64_t end, int64_t *fou
     return SHEAR_OK;
 }
 
-/* Beginning of part k of n stamps in `parts` parts, without overflow. */
+/* Return the beginning of part k of n stamps in `parts` parts, without overflow. */
 static int64_t part_start(int64_t n, int parts, int k) {
     return n / parts * k + n % parts * k / parts;
 }

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { TEXT_SIZE = 256 }; /* before the signs grow */
+enum { TEXT_SIZE = 256 }; /* before minus signs are replaced, which makes text longer */
 
-/* A hyphen within a word ("log-bicubic") stays one. */
+/* Return whether the hyphen is a minus sign, not inside a word ("log-bicubic"). */
 static bool is_minus(const char *text, size_t i) {
     const bool begins = i == 0 || !isalnum((unsigned char)text[i - 1]) || text[i - 1] == 'e';
     return text[i] == '-' && begins && isdigit((unsigned char)text[i + 1]);

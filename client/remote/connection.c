@@ -17,11 +17,11 @@ typedef struct connection {
     int fd;
     int64_t last_id;
     sheard_frame frame;
-    const char *at; /* what is left of `input` for the frame */
+    const char *at; /* the unread part of `input` */
     size_t left;
     connection_listener *listener;
     void *context;
-    sheard_reply welcome; /* of hello */
+    sheard_reply welcome; /* the reply to `hello` */
     char input[INPUT_SIZE];
 } connection;
 
@@ -49,7 +49,7 @@ void connection_close(connection *c) {
     free(c);
 }
 
-/* An error of the protocol's layer: no memory is ours, the rest is what the peer sent. */
+/* Map an error of the protocol layer: out of memory is local, all others are the peer's. */
 static enum connection_status bad_message(const sheard_rpc_error *error) {
     return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_MISMATCH;
 }
@@ -70,7 +70,7 @@ static enum connection_status bad_line(enum sheard_frame_event event, sheard_rpc
     }
 }
 
-/* The next message of any kind. */
+/* Receive the next message of any kind. */
 static enum connection_status receive(connection *c, double deadline, sheard_message *m,
                                       sheard_rpc_error *error) {
     for (;;) {
@@ -92,8 +92,8 @@ static enum connection_status receive(connection *c, double deadline, sheard_mes
     }
 }
 
-/* The answer to request `id`; notifications on the way go to the listener. An error without an id
- * is about the connection (too many of them, the service stops) and is an answer, too. */
+/* Receive the reply to request `id`; pass notifications to the listener. An error without an id
+ * concerns the connection (too many connections, the service stops), and ends the wait, too. */
 static enum connection_status receive_answer(connection *c, int64_t id, double deadline,
                                              sheard_message *m, sheard_rpc_error *error) {
     for (;;) {
@@ -138,7 +138,7 @@ static enum connection_status send_request(connection *c, int method, const shea
     size_t n = 0;
     const sheard_rpc_id id = {.type = SHEARD_ID_INTEGER, .integer = ++c->last_id};
     if (sheard_request_line(&line, &n, &id, method, params, error) != 0) {
-        /* What the service would refuse is refused here, in the same words. */
+        /* The request is checked here with the service's own rules and messages. */
         return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_REFUSED;
     }
     const enum connection_status status = socket_io_send(c->fd, line, n, deadline, error);

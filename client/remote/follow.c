@@ -12,8 +12,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Seconds of one wait request: a service that is dead is noticed after so long; and, if there
- * are no notifications, how often the progress is looked at. */
+/* Seconds of one wait request: the time after which a dead service is detected and, without
+ * notifications, the interval of progress updates. */
 static const double slice_s = 60.0;
 static const double poll_s = 1.0;
 
@@ -23,10 +23,10 @@ typedef struct follow_state {
     follow_entry *entries; /* [n] */
     size_t n;
     progress *progress;
-    bool notified; /* notifications come */
+    bool notified; /* notifications are subscribed to */
     double deadline;
     follow_counts counts;
-    text_table *ended; /* of how they ended; not with service.json */
+    text_table *ended; /* the results of finished jobs; unused with service.json */
 } follow_state;
 
 static void show(const follow_state *f) {
@@ -55,8 +55,9 @@ static size_t chunk_at(const follow_state *f, size_t first) {
     return f->n - first < SHEARD_MSG_LIST_MAX ? f->n - first : SHEARD_MSG_LIST_MAX;
 }
 
-/* Notifications are for the bar only: without them it is drawn from what wait answers. A service
- * that refuses them (too many subscriptions) is no error; one that is gone will be noticed. */
+/* Subscribe to notifications, which only update the bar: without them it shows the replies to
+ * `wait`. A refusal (too many subscriptions) is not an error; a dead service will be detected
+ * later. */
 static void subscribe(follow_state *f, const int64_t *ids) {
     f->notified = true;
     connection_listen(f->service->connection, on_notice, f);
@@ -73,7 +74,7 @@ static void subscribe(follow_state *f, const int64_t *ids) {
     }
 }
 
-/* Jobs that are finished, or not in time. */
+/* Add the jobs that have ended, or that have not ended in time. */
 static void add_ended(follow_state *f, const sheard_msg_waited *waited) {
     for (size_t i = 0; i < waited->n_jobs; i++) {
         const sheard_msg_job *job = &waited->jobs[i];
@@ -85,8 +86,8 @@ static void add_ended(follow_state *f, const sheard_msg_waited *waited) {
     }
 }
 
-/* What a wait request was answered. Returns whether to ask again: neither are the jobs finished nor
- * is the time over. */
+/* Process the reply to a wait request. Returns whether to send another one: jobs are unfinished,
+ * and there is time left. */
 static bool note_answer(follow_state *f, const sheard_msg_waited *waited, const char *text) {
     for (size_t i = 0; i < waited->n_jobs; i++)
         follow_note_job(f->entries, f->n, &waited->jobs[i]);
@@ -99,7 +100,7 @@ static bool note_answer(follow_state *f, const sheard_msg_waited *waited, const 
     return false;
 }
 
-/* One wait request; *again becomes what note_answer says. */
+/* Send one wait request; *again becomes the result of note_answer. */
 static enum exit_code wait_once(follow_state *f, const int64_t *ids, size_t n, bool *again) {
     sheard_rpc_error error = {0};
     sheard_reply reply = {0};

@@ -30,13 +30,14 @@ static void image_text(const sheard_msg_image *image, char *buf, size_t size) {
     }
 }
 
-/* A job file asks for files of a client's; other dropped files are themselves what is measured. */
+/* Return whether the measured file itself was dropped. A dropped job file names other files. */
 static bool is_dropped(const sheard_msg_job *job) {
     const char *dot = job->dropped_name != NULL ? strrchr(job->dropped_name, '.') : NULL;
     return job->dropped_name != NULL && !(dot != NULL && strcmp(dot, ".json") == 0);
 }
 
-/* "failed/a.1.fits"; "active" alone, where names are long and tell nothing. */
+/* Return the current place of a dropped file: "failed/a.1.fits", or "active" alone, because names
+ * there are long. */
 static const char *where_now(const sheard_msg_job *job, char *buf, size_t size) {
     const char *name = job->file_now != NULL ? strrchr(job->file_now, '/') : NULL;
     const char *folder = name;
@@ -112,7 +113,7 @@ const char *job_phase_text(const sheard_msg_progress *p, char *buf, size_t size)
     return buf;
 }
 
-/* "42%"; "duplicate" and the code of a failure say more than 100 % and 0 %. */
+/* Add "42%"; or "duplicate", or the code of a failure instead of 100 % or 0 %. */
 static void add_part(text_table *t, const sheard_msg_job *job) {
     const sheard_msg_progress *p = &job->progress;
     if (job->outcome == SHEARD_OUTCOME_DUPLICATE) {
@@ -174,7 +175,7 @@ void job_results_add(text_table *t, const sheard_msg_job *job) {
 
 /* ---- One job ---- */
 
-/* A line, unless there is nothing to say. */
+/* Print a line, unless `text` is empty. */
 static void print_text(FILE *out, const char *name, const char *text) {
     if (text != NULL && text[0] != '\0')
         text_line(out, name, "%s", text);
@@ -244,7 +245,7 @@ static void print_progress(const sheard_msg_job *job, FILE *out) {
     }
 }
 
-/* Those that are not at their built-in defaults, as "NAME=VALUE NAME=VALUE". */
+/* Print the settings that differ from the built-in defaults, as "NAME=VALUE NAME=VALUE". */
 static void print_settings(const char *settings, FILE *out) {
     char text[SHEARD_MSG_SETTINGS_SIZE] = "";
     size_t n = 0;

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One page; *cursor, the caller's, becomes that of the next one, or NULL. */
+/* Request and show one page; *cursor, owned by the caller, becomes that of the next page, or NULL.
+ */
 static enum exit_code list_page(page_list *l, size_t *n, char **cursor) {
     sheard_reply reply = {0};
     const char *next = NULL;
@@ -26,7 +27,7 @@ static enum exit_code list_page(page_list *l, size_t *n, char **cursor) {
 
 enum exit_code page_list_print(page_list *l) {
     CLEANUP(release_free) char *cursor = NULL;
-    size_t n = 0; /* an empty page ends the list: no progress would be made */
+    size_t n = 0; /* an empty page ends the list, or the loop would not end */
     do {
         const enum exit_code code = list_page(l, &n, &cursor);
         if (code != EXIT_CODE_DONE)

@@ -37,7 +37,7 @@ enum exit_code service_start(const command *self, int argc, char **argv,
     return code != EXIT_CODE_DONE ? code : service_open(s);
 }
 
-/* An error that the service answered with. */
+/* Return the exit code for an error with which the service replied. */
 static enum exit_code code_of_refusal(int code) {
     switch (code) {
     case SHEARD_RPC_BAD_PARAMETER:

@@ -17,7 +17,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* A signal that comes between the look at its flag and poll() is noticed after this time. */
+/* A signal between the test of its flag and poll() is noticed after SLICE_MS. */
 enum { SLICE_MS = 200, BACKLOG_MS = 20 };
 
 #define HOW_TO_START                                                                               \
@@ -28,7 +28,7 @@ static enum connection_status interrupted(sheard_rpc_error *error) {
     return connection_fail(error, CONNECTION_INTERRUPTED, NULL, "interrupted");
 }
 
-/* Until `events` (or a hang-up) on fd; fd -1: only time passes. */
+/* Wait for `events` (or a hang-up) on fd; if fd is -1, only for the time. */
 static enum connection_status wait_for(int fd, short events, double deadline,
                                        sheard_rpc_error *error) {
     for (;;) {
@@ -52,7 +52,7 @@ static enum connection_status wait_for(int fd, short events, double deadline,
     }
 }
 
-/* "group sheard", the group that may connect; "" if it is not known. */
+/* Write "group sheard", the group that may connect, into buf; "" if it is unknown. */
 static void name_group(const char *path, char *buf, size_t size) {
     struct stat st;
     buf[0] = '\0';
@@ -103,8 +103,7 @@ static enum connection_status connect_to(int s, const struct sockaddr_un *addres
                                    "the service does not accept connections at %s",
                                    address->sun_path);
         }
-        poll(NULL, 0,
-             BACKLOG_MS); /* the listener's backlog is full: there is no event to wait for */
+        poll(NULL, 0, BACKLOG_MS); /* the listener's backlog is full, for which there is no event */
     }
     return CONNECTION_OK;
 }

@@ -19,7 +19,7 @@ static void print_states(const sheard_msg_status *s, bool colours, FILE *out) {
     fprintf(out, "  %-10s", "jobs");
     for (int i = 0; i < SHEARD_N_JOB_STATES; i++) {
         if (i == SHEARD_JOB_RETRACTED && counts[i] == 0) {
-            continue; /* rare */
+            continue; /* rare: shown only if not 0 */
         }
         const char *style =
             colours && counts[i] > 0 ? job_state_style((enum sheard_job_state)i) : NULL;

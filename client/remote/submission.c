@@ -88,7 +88,7 @@ static enum exit_code set_file(submission *s, const char *name) {
     return EXIT_CODE_DONE;
 }
 
-/* The line of `text` (canonical settings, or NULL) that gives `name`, with its \n; or NULL. */
+/* Return the line of `text` (canonical settings, or NULL) for `name`, including its \n; or NULL. */
 static const char *find_line(const char *text, const char *name) {
     const size_t n = strlen(name);
     while (text != NULL && *text != '\0') {
@@ -100,7 +100,7 @@ static const char *find_line(const char *text, const char *name) {
     return NULL;
 }
 
-/* The options' settings, and the job file's that no option beats. */
+/* Combine the options' settings with those of the job file that no option overrides. */
 static void set_settings(submission *s, const option_settings *ours) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
@@ -123,7 +123,7 @@ static void set_options(submission *s, const submission_options *o) {
     m->key = o->key != NULL ? o->key : m->key;
     m->priority = o->has_priority ? o->priority : m->priority;
     m->force = m->force || o->force;
-    m->wait = false; /* waiting is ours: with progress, and an end to it */
+    m->wait = false; /* the client waits by separate requests, to show progress */
     set_settings(s, &o->settings);
 }
 
@@ -138,7 +138,7 @@ static enum exit_code set_source(submission *s, const char *name, const submissi
     if (!is_job_file(name))
         return set_file(s, name);
     const enum exit_code code = read_job_file(s, name);
-    s->params.submit = s->parsed; /* which owns the texts */
+    s->params.submit = s->parsed; /* owns the strings */
     return code;
 }
 

@@ -13,9 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BAR_WIDTH = 24, FIELD_ROWS = 4 }; /* rows asked for of one field: one a digest */
+enum { BAR_WIDTH = 24, FIELD_ROWS = 4 }; /* rows requested per field, one per digest */
 
-/* Ask for the next part. */
+/* Send the next request. */
 static enum connection_status ask(watch_view *v, service *s, int method, const sheard_params *p,
                                   const char *field, sheard_rpc_error *error) {
     assert(v->n < WATCH_PARTS);
@@ -45,7 +45,7 @@ static bool is_known(const watch_view *v, const char *field) {
     return false;
 }
 
-/* The fields of the jobs of a part. There is no question for one field's line: it is the first of
+/* Request the fields of the jobs of a part. No request returns a single field: it is the first of
  * those that begin with its name. */
 static enum connection_status ask_fields(watch_view *v, service *s, const watch_part *jobs,
                                          sheard_rpc_error *error) {
@@ -131,7 +131,7 @@ static enum exit_code print_fields(const watch_view *v, FILE *out, bool colours,
                 field_table_add(t, &page->fields[k], clock_ms(CLOCK_REALTIME));
         }
     }
-    /* Fields of which nothing has been counted yet have no line. */
+    /* Fields without a contribution have no row. */
     enum exit_code code = EXIT_CODE_DONE;
     if (t == NULL || text_table_rows(t) > 0) {
         title(out, "fields", colours);

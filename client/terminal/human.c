@@ -29,7 +29,7 @@ char *human_duration(double seconds, char buf[HUMAN_SIZE]) {
     if (!isfinite(seconds) || seconds < 0.0)
         return nothing(buf);
     const int64_t s = seconds < 1e15 ? llround(seconds) : INT64_C(1000000000000000);
-    if (seconds < 9.95) { /* 9.95 would be 10.0, which is written without decimals */
+    if (seconds < 9.95) { /* 9.95 would become 10.0 */
         snprintf(buf, HUMAN_SIZE, seconds < 0.995 ? "%.2f s" : "%.1f s", seconds);
     } else if (s < MINUTE) {
         snprintf(buf, HUMAN_SIZE, "%" PRId64 " s", s);
@@ -47,11 +47,11 @@ char *human_age(int64_t since_ms, int64_t now_ms, char buf[HUMAN_SIZE]) {
     if (since_ms <= 0)
         return nothing(buf);
     const int64_t age = now_ms - since_ms;
-    if (age < 1000) { /* or a clock that is a little behind the service's */
+    if (age < 1000) { /* the service's clock may be slightly ahead */
         snprintf(buf, HUMAN_SIZE, "just now");
         return buf;
     }
-    if (age < 10000) { /* no tenths: nobody needs them of an age */
+    if (age < 10000) { /* an age needs no tenths */
         snprintf(buf, HUMAN_SIZE, "%" PRId64 " s", age / 1000);
         return buf;
     }
@@ -83,7 +83,7 @@ bool human_parse_duration(const char *text, double *seconds) {
         double seconds;
     } units[] = {{"", 1.0}, {"s", 1.0}, {"ms", 1e-3}, {"min", MINUTE}, {"h", HOUR}, {"d", DAY}};
     char *end = NULL;
-    if (*text < '0' || *text > '9') { /* strtod also knows signs, spaces and "inf" */
+    if (*text < '0' || *text > '9') { /* strtod also accepts signs, spaces and "inf" */
         return false;
     }
     const double value = strtod(text, &end);

@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A terminal that does not speak UTF-8 takes its bytes for letters of its own, and for controls. */
+/* Replace non-ASCII bytes: a terminal without UTF-8 takes them for other letters or control
+ * characters. */
 static void only_ascii(char *text) {
     char *out = text;
     for (const char *c = text; *c != '\0';) {
@@ -43,7 +44,7 @@ enum exit_code message_no_memory(void) {
     return EXIT_CODE_OTHER;
 }
 
-/* "shearctl: KIND: ...", as printf does. */
+/* Print "shearctl: KIND: ...", formatted as by vprintf. */
 __attribute__((format(printf, 2, 0))) static void say_formatted(const char *kind,
                                                                 const char *format, va_list args) {
     char text[1024];

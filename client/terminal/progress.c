@@ -42,12 +42,12 @@ bool progress_interrupted(void) {
 
 static void catch_signals(progress *p) {
     struct sigaction action = {.sa_handler = on_signal};
-    /* SA_RESETHAND: a second signal ends a process that does not get round to the first one. */
+    /* SA_RESETHAND: a second signal ends a process that does not react to the first one. */
     action.sa_flags = (int)SA_RESETHAND | SA_RESTART;
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, NULL, &p->old_int);
     sigaction(SIGTERM, NULL, &p->old_term);
-    /* Who starts us with a signal ignored (nohup, a shell's background job) wants it ignored. */
+    /* A signal that is ignored from the start (nohup, a shell's background job) stays ignored. */
     if (p->old_int.sa_handler != SIG_IGN)
         sigaction(SIGINT, &action, NULL);
     if (p->old_term.sa_handler != SIG_IGN)
@@ -79,7 +79,7 @@ static int terminal_width(void) {
     return size.ws_col < MAX_WIDTH ? size.ws_col : MAX_WIDTH;
 }
 
-/* "label [####....] figures", or as much of the figures as fits. */
+/* Draw "label [####....] figures", or as much of the figures as fits. */
 static void paint(progress *p, double part, const char *figures, double now) {
     const int width = terminal_width() - 1; /* a full line would wrap on some terminals */
     const int bar = width - (int)strlen(p->label) - (int)strlen(figures) - 1;
@@ -89,7 +89,7 @@ static void paint(progress *p, double part, const char *figures, double now) {
     } else {
         fprintf(stderr, "\r%.*s", width, figures + 1);
     }
-    fputs("\x1b[K", stderr); /* erase what a longer line left */
+    fputs("\x1b[K", stderr); /* erase the rest of a longer line */
     fflush(stderr);
     p->drawn = true;
     p->refreshed = now;

@@ -24,7 +24,7 @@ progress *progress_begin_quiet(void);
 int progress_callback(void *context, int64_t done, int64_t total);
 
 /* Show the progress of another process, at `rate` stamps per second. If `total` is unknown
- * (negative), only the label is shown. */
+ * (negative), "waiting" is shown instead of numbers. */
 void progress_show(progress *progress, const char *label, int64_t done, int64_t total, double rate);
 /* Return false if nothing will be drawn. */
 bool progress_visible(const progress *progress);

@@ -26,7 +26,7 @@ static void on_signal(int number) {
         resized = 1;
     } else {
         ended = 1;
-        progress_interrupt(); /* ends what the service is asked at the moment */
+        progress_interrupt(); /* ends the current request to the service */
     }
 }
 
@@ -56,7 +56,7 @@ void screen_end(void) {
 }
 
 void screen_draw(const char *text) {
-    resized = 0; /* before the size is asked: a change from here on asks for another picture */
+    resized = 0; /* before reading the size: a later change causes another redraw */
     const int columns = style_columns(STDOUT_FILENO, DEFAULT_COLUMNS);
     const int rows = style_rows(STDOUT_FILENO, DEFAULT_ROWS);
     fputs("\x1b[H", stdout);
@@ -64,7 +64,7 @@ void screen_draw(const char *text) {
         char line[4096];
         const size_t n = strcspn(text, "\n");
         snprintf(line, sizeof line, "%.*s", (int)n, text);
-        /* The last row ends without a new line: the screen must not scroll. */
+        /* The last row has no newline, which would scroll the screen. */
         printf("%s%.*s\x1b[0m\x1b[K", row != 0 ? "\n" : "", (int)style_fit(line, columns), line);
         text += n + (text[n] == '\n');
     }
@@ -79,7 +79,7 @@ static bool wants_end(void) {
                                 memchr(keys, 'Q', (size_t)n) != NULL));
 }
 
-/* A signal that comes just before poll() is noticed after one slice. */
+/* A signal just before poll() is noticed after one slice. */
 enum { SLICE_MS = 200 };
 
 static bool wait_for(int fd, double seconds) {

@@ -34,7 +34,7 @@ int style_rows(int fd, int otherwise) {
     return ioctl(fd, TIOCGWINSZ, &size) != 0 || size.ws_row == 0 ? otherwise : size.ws_row;
 }
 
-/* Bytes of the escape sequence that `text` begins with; 0: it does not. */
+/* Return the length of the escape sequence at the start of `text` in bytes; 0: there is none. */
 static size_t escape_length(const char *text) {
     if (text[0] != '\x1b' || text[1] != '[')
         return 0;
@@ -44,7 +44,7 @@ static size_t escape_length(const char *text) {
     return text[n] != '\0' ? n + 1 : n;
 }
 
-/* The character that `text` begins with: its bytes, and its columns. */
+/* Return the bytes of the first character of `text`, and its columns in *columns. */
 static size_t step(const char *text, int *columns) {
     wchar_t c = 0;
     mbstate_t state = {0};

@@ -26,7 +26,7 @@ struct text_table {
     size_t n_columns;
     table_cell *cells; /* [n], row by row */
     size_t n, capacity;
-    bool failed; /* no memory */
+    bool failed; /* out of memory */
 };
 
 text_table *text_table_new(const text_column *columns, size_t n_columns) {
@@ -72,7 +72,7 @@ static int column_width(const text_table *t, size_t column) {
     return width;
 }
 
-/* One cell with its padding; none behind the last column. */
+/* Print one cell with its padding; none after the last column. */
 static void put(FILE *line, const char *text, const char *style, int padding, char align,
                 bool last) {
     if (align == 'r')
@@ -84,7 +84,7 @@ static void put(FILE *line, const char *text, const char *style, int padding, ch
         fprintf(line, "%*s", GAP, "");
 }
 
-/* `cells` NULL: the titles. */
+/* Compose a row; the titles if `cells` is NULL. */
 static void compose(const text_table *t, const table_cell *cells, const int *widths, bool colours,
                     FILE *line) {
     for (size_t i = 0; i < t->n_columns; i++) {
@@ -95,14 +95,14 @@ static void compose(const text_table *t, const table_cell *cells, const int *wid
     }
 }
 
-/* How a table is laid out. */
+/* The layout of a table. */
 typedef struct table_layout {
     int widths[MAX_COLUMNS]; /* of the columns */
-    int indent, columns;     /* of all; 0: any width */
+    int indent, columns;     /* of the whole table; columns 0: no limit */
     bool colours;
 } table_layout;
 
-/* `cells` NULL: the titles. Returns false when memory is out. */
+/* Print a row; the titles if `cells` is NULL. Returns false if out of memory. */
 static bool print_row(const text_table *t, const table_cell *cells, const table_layout *l,
                       FILE *out) {
     CLEANUP(release_free) char *text = NULL;
@@ -115,7 +115,7 @@ static bool print_row(const text_table *t, const table_cell *cells, const table_
     if (fclose(line) != 0 || text == NULL)
         return false;
     size_t n = l->columns > 0 ? style_fit(text, l->columns) : strlen(text);
-    while (n > 0 && text[n - 1] == ' ') { /* of empty cells at the end */
+    while (n > 0 && text[n - 1] == ' ') { /* from empty cells at the end */
         n--;
     }
     fprintf(out, "%.*s%s\n", (int)n, text, l->colours ? STYLE_END : "");
