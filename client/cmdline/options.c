@@ -85,7 +85,7 @@ static enum exit_code fail_option(const command *self, int value, char **argv,
     if (value == '?' && optopt == 0)
         return fail_unknown(self, given, table);
     if (value == '?' && strncmp(given, "--", 2) != 0) {
-        /* Not `given`: in a group of short options, it is the option before. */
+        /* Not `given`: within a group of short options it is the argument before the group. */
         return fail_unknown(self, letter, table);
     }
     message_fail(NULL, "%s: option --%s %s", self->name, name_of(optopt, table), fault);
