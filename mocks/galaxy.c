@@ -10,14 +10,14 @@ int galaxy_max_points(const shear_mock_spec *s) {
     return s->galaxy == SHEAR_MOCK_IRREGULAR ? s->steps : s->points;
 }
 
-/* Zhang (2010), eq. (10), r in units of R_G. */
+/* Return the surface brightness at r, in units of R_G: eq. (10) of Zhang (2010). */
 static double surface_brightness(const shear_mock_spec *s, double r) {
     double disk = r / s->disk_scale;
     double bulge = disk * s->bulge_ratio;
     return exp(-disk) + s->bulge_fraction * exp(-sqrt(sqrt(bulge)));
 }
 
-/* A point of the unit disk, drawn from the face-on profile: exact, by rejection from a uniform
+/* Draw a point of the unit disk from the face-on profile, exactly, by rejection from a uniform
  * disk. */
 static void draw_disk_point(const shear_mock_spec *s, const gsl_rng *rng, double *x, double *y) {
     double peak = 1.0 + s->bulge_fraction;

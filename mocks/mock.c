@@ -78,12 +78,12 @@ int shear_mock_image_points(const shear_mock *m, int64_t stamp, double *x, doubl
     return n;
 }
 
-/* Whole stamps rotated are the second half of a galaxy's copies. */
+/* Return whether the whole stamp is rotated: the second half of a galaxy's copies is. */
 static bool is_rotated(const shear_mock_spec *s, int64_t stamp) {
     return s->turn_stamps && stamp % s->rotate >= s->rotate / 2;
 }
 
-/* Whose draws of position (or noise) a stamp has. */
+/* Return the index by which position (or noise) of a stamp is drawn. */
 static uint64_t index_of(const shear_mock_spec *s, int64_t stamp, bool shared) {
     return (uint64_t)(shared                 ? stamp / s->rotate
                       : is_rotated(s, stamp) ? stamp - s->rotate / 2
@@ -108,8 +108,8 @@ void shear_mock_centre(const shear_mock *m, int64_t stamp, double *x, double *y)
     }
 }
 
-/* The rotated copies of a galaxy share its PSF, or the PSFs' shapes would not average out in them.
- */
+/* The rotated copies of a galaxy share its PSF; otherwise the PSFs' shapes would not average out
+ * over them. */
 int64_t shear_mock_psf_of(const shear_mock *m, int64_t stamp) {
     switch (m->info.psf_layout) {
     case SHEAR_PSF_PER_STAMP:
@@ -146,7 +146,7 @@ typedef struct workspace {
     double *x, *y; /* [max_points] */
 } workspace;
 
-/* Of all threads. */
+/* The workspaces of all threads. */
 typedef struct workspaces {
     int n;
     workspace *of;
@@ -191,12 +191,12 @@ static void paint_galaxy(const shear_mock *m, workspace *ws, int64_t stamp) {
         painter_point(&ws->painter, amplitude, cx + ws->x[k], cy + ws->y[k]);
 }
 
-/* Streams of a galaxy's noise stamps after the first one are this far from those of the one before.
- */
+/* Offset of a noise stamp's random streams from those of the galaxy's preceding noise stamp. */
 enum { NEXT_NOISE_STAMP = 1000 };
 
-/* On what the galaxy's painter holds. `stamp_of` = 0 for the galaxy stamp, 1, 2, ... for its noise
- * stamps: each stream of a galaxy stamp has its twin next to it. */
+/* Add noise to the image in the workspace's painter. `stamp_of` is 0 for the galaxy stamp, 1, 2,
+ * ... for its noise stamps. Each stream of the galaxy stamp is followed by the one of the noise
+ * stamp. */
 static void add_noise(const shear_mock *m, workspace *ws, int64_t stamp, int stamp_of,
                       double *image) {
     const int pure = stamp_of > 0 ? 1 + NEXT_NOISE_STAMP * (stamp_of - 1) : 0;

@@ -3,7 +3,7 @@
 
 #include <gsl/gsl_randist.h>
 
-/* Where number i of an image in C order comes to lie. */
+/* Return the index of the pixel to which number i of the noise, in C order, belongs. */
 static int noise_pixel(const noise_place *p, int i) {
     int x = i % p->nx;
     int y = i / p->nx;

@@ -98,7 +98,8 @@ static const void *member_const(const shear_mock_spec *s, const shear_mock_optio
     return (const char *)s + o->offset;
 }
 
-/* How many numbers the option has, as doubles in v; 0 for those that have no range. */
+/* Store the option's numbers as doubles in v. Returns how many there are; 0 if the option has no
+ * range. */
 static int numbers(const shear_mock_spec *s, const shear_mock_option *o, double v[2]) {
     const void *m = member_const(s, o);
     switch (o->type) {
@@ -160,7 +161,7 @@ int options_check_ranges(const shear_mock_spec *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Put `text` into the member(s) of *s; false where it is not of the option's type. */
+/* Parse `text` into the member(s) of *s. Returns false if it is not of the option's type. */
 static bool parse(shear_mock_spec *s, const shear_mock_option *o, const char *text) {
     void *m = member(s, o);
     bool automatic = o->has_auto && strcmp(text, "auto") == 0;

@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A point is at most this far from the centre of its pixel. */
+/* maximum distance of a point from the centre of its pixel, px */
 static const double cell_radius = 0.70710678118654757;
 
-/* A row crosses a four-armed star in three pieces at most; one more for the grid's raggedness. */
+/* A row crosses a four-armed star in at most three pieces; one more because of the grid. */
 enum { PIECES = 4, ALIGNMENT = 64 };
 
-/* Zeros. */
+/* Return n zeros, aligned, or NULL if out of memory. */
 static double *new_doubles(size_t n) {
     size_t bytes = (n * sizeof(double) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     double *made = aligned_alloc(ALIGNMENT, bytes);
@@ -63,8 +63,8 @@ void painter_deinit(painter *p) {
     *p = (painter){0};
 }
 
-/* The rows of G in one strip; zero, and outside the strip's rows, where the Gaussian does not
- * reach. */
+/* Fill the rows of G in one strip. They are zero where the Gaussian does not reach; those outside
+ * the strip's range are not used. */
 static void fill_strip(painter *p, int strip) {
     int h = p->half;
     int first = strip * PAINTER_STRIP - h;
@@ -86,8 +86,8 @@ static void fill_strip(painter *p, int strip) {
     }
 }
 
-/* Append column i to the pieces of row j; where the row has all it may have, the last grows over
- * the gap. */
+/* Append column i to the pieces of row j. If the row already has the maximum number of pieces,
+ * extend the last one over the gap. */
 static void add_spike_pixel(painter *p, int *pieces, int j, int i) {
     segment *last = p->spikes + p->n_spikes - 1;
     bool touches = *pieces > 0 && last->hi == i - 1;
@@ -121,7 +121,7 @@ void painter_rotate(painter *p, double angle_deg) {
     find_spike_segments(p);
 }
 
-/* out[i] = scale * exp(first + i s) for n strips of i. */
+/* Set out[i] = scale * exp(first + i s), for n strips of i. */
 SHEAR_SIMD static void fill_powers(double *out, int n, double scale, double first, double s) {
     double x = exp(s);
     double x2 = x * x;
@@ -149,8 +149,8 @@ static int min_int(int a, int b) {
     return a < b ? a : b;
 }
 
-/* n rows of a strip: canvas[j][i] += rows[j] columns[i] table[j][i]. A constant count of columns
- * keeps them in registers. */
+/* Add n rows of a strip: canvas[j][i] += rows[j] columns[i] table[j][i]. The constant number of
+ * columns lets the compiler keep them in registers. */
 SHEAR_SIMD static void add_strip(double *restrict canvas, size_t stride,
                                  const double *restrict columns, const double *restrict rows,
                                  const double *restrict table, int n) {
@@ -163,7 +163,7 @@ SHEAR_SIMD static void add_strip(double *restrict canvas, size_t stride,
     }
 }
 
-/* Strips are painted whole, into the canvas's margins if need be. */
+/* Paint whole strips, into the canvas's margins if necessary. */
 static void add_gaussian(painter *p, double amplitude, int px, int py, double dx, double dy) {
     const psf_shape *w = &p->psf;
     int h = p->half;
@@ -195,7 +195,7 @@ static void add_spikes(painter *p, double amplitude, int px, int py, double dx, 
         int n = min_int(s->hi, p->nx - 1 - px) - lo + 1;
         if (y < 0 || y >= p->ny || n <= 0)
             continue;
-        /* Whole strips: the exponentials of an odd rest would be scalar. */
+        /* whole strips: the exponentials of a remainder would not be vectorised */
         int whole = (n + PAINTER_STRIP - 1) / PAINTER_STRIP * PAINTER_STRIP;
         psf_spikes_row(&p->psf, amplitude, lo - dx, s->j - dy, 1.0, whole, p->buffer);
         double *row = p->canvas + (size_t)y * (size_t)p->stride + (px + lo + PAINTER_STRIP);
@@ -210,7 +210,7 @@ void painter_point(painter *p, double amplitude, double x, double y) {
     bool near = px >= -p->reach && px <= p->nx - 1 + p->reach && py >= -p->reach &&
                 py <= p->ny - 1 + p->reach;
     if (!near) {
-        return; /* also where x or y is not a number */
+        return; /* also if x or y is NaN */
     }
     add_gaussian(p, amplitude, (int)px, (int)py, x - px, y - py);
     if (p->psf.spikes)

@@ -9,15 +9,15 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Constants of Zhang (2010), eq. (9). */
+/* Constants of eq. (9) of Zhang (2010). */
 static const double axis_ratio2 = 0.8;
 static const double spike_height = 0.03;
 static const double spike_core = 0.2;
 
-/* -ln of the faintest term that is kept: half of 1e-20, as W_B has two terms. */
+/* -ln of the faintest term that is computed: half of 1e-20, because W_B has two terms */
 static const double ln_cut = 20 * M_LN10 + M_LN2;
 
-/* Multiples of 90 degrees are exact. */
+/* Compute cosine and sine, exactly for multiples of 90 degrees. */
 static void rotation_of(double angle_deg, double *c, double *s) {
     const double a = remainder(angle_deg, 360.0);
     const double quarter = nearbyint(a / 90.0);
@@ -45,9 +45,9 @@ double psf_peak(enum shear_mock_psf kind) {
     return kind == SHEAR_MOCK_PSF_B ? 1.0 + spike_height * exp(-spike_core * spike_core) : 1.0;
 }
 
-/* The spikes: integrate over u first (a Gaussian), put v = sqrt(0.2) R sinh t; what is left is the
- * integral representation of the Bessel function K_0: sqrt(pi) exp(-z) K_0(z) R^2 with z = 0.2^2
- * / 2. */
+/* The integral of the spikes: the one over u is Gaussian; with v = sqrt(0.2) R sinh t the other is
+ * an integral representation of the Bessel function K_0. Result: sqrt(pi) exp(-z) K_0(z) R^2 with z
+ * = 0.2^2 / 2. */
 double psf_flux(enum shear_mock_psf kind, double r_px) {
     double r2 = r_px * r_px;
     double flux = 2.0 * M_PI * r2 / sqrt(axis_ratio2);
@@ -62,7 +62,7 @@ double psf_gaussian_reach(double r_px) {
     return r_px * sqrt(2.0 * ln_cut / axis_ratio2);
 }
 
-/* The spikes are longest on their axes: (u^2/R^2 + 0.2) 0.2 = ln(0.03 / 1e-20). */
+/* The spikes reach farthest on their axes: (u^2/R^2 + 0.2) 0.2 = ln(0.03 / 1e-20). */
 double psf_spikes_reach(double r_px) {
     return r_px * sqrt((ln_cut + log(spike_height)) / spike_core - spike_core);
 }
@@ -72,7 +72,7 @@ double psf_reach(enum shear_mock_psf kind, double r_px) {
     return kind == SHEAR_MOCK_PSF_B ? fmax(gaussian, psf_spikes_reach(r_px)) : gaussian;
 }
 
-/* The least |coordinate| within `radius` of (dx, dy), in the PSF's frame. */
+/* Compute the smallest |u| and |v| within `radius` of (dx, dy), in the PSF's frame. */
 static void nearest(const psf_shape *p, double dx, double dy, double radius, double *u, double *v) {
     *u = fmax(0.0, fabs(p->cos * dx + p->sin * dy) - radius);
     *v = fmax(0.0, fabs(p->cos * dy - p->sin * dx) - radius);
@@ -125,7 +125,7 @@ SHEAR_SIMD void psf_spikes_row(const psf_shape *p, double amplitude, double dx, 
         double u = u0 + uc * x;
         double v = v0 + vc * x;
         double z = (u * u + core) * (v * v + core);
-        out[i] = z < 700.0 ? z : 700.0; /* where exp underflows, the vector one becomes slow */
+        out[i] = z < 700.0 ? z : 700.0; /* if exp underflows, its vector version becomes slow */
     }
 #pragma omp simd simdlen(8)
     for (int i = 0; i < n; i++)

@@ -20,19 +20,19 @@ static void restart(random_state *s) {
     s->next = 4;
 }
 
-/* GSL's own way of seeding: stream 0, which no mock uses. */
+/* Seed as GSL does: stream 0, which no mock uses. */
 static void set(void *state, unsigned long seed) {
     random_state *s = state;
     *s = (random_state){.seed = seed};
     restart(s);
 }
 
-/* 32 bits, for an unsigned long has no more everywhere. */
+/* Return 32 bits: unsigned long may have no more. */
 static unsigned long get(void *state) {
     return (unsigned long)(next(state) >> 32);
 }
 
-/* [0, 1), all 53 bits. */
+/* Return a number in [0, 1) with 53 random bits. */
 static double get_double(void *state) {
     return (double)(next(state) >> 11) * 0x1p-53;
 }

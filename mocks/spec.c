@@ -9,7 +9,7 @@
 #include <limits.h>
 #include <math.h>
 
-/* Limits that keep numbers of points and photons within 32 bits. */
+/* Keeps the numbers of points and photons within 32 bits. */
 static const double max_sources = 1e8;
 static const double max_photons = 4e9;
 enum { MAX_PSF_SIDE = 4096 };
@@ -49,8 +49,8 @@ double spec_noise_density(const shear_mock_spec *s) {
     return isnan(s->noise_density) ? 1.0 / (s->r_psf_px * s->r_psf_px) : s->noise_density;
 }
 
-/* Equal mean flux densities: density * amplitude * flux(W) = ratio * points * flux(W) / (pi R_G^2).
- */
+/* Noise and galaxies have equal mean flux densities if density * amplitude * flux(W) = ratio *
+ * points * flux(W) / (pi R_G^2). */
 double spec_noise_amplitude(const shear_mock_spec *s) {
     double area = M_PI * s->r_gal_px * s->r_gal_px;
     return s->noise_ratio * galaxy_max_points(s) / (area * spec_noise_density(s));
@@ -64,8 +64,7 @@ double spec_point_amplitude(const shear_mock_spec *s) {
     return s->photon_snr * s->photons * area / flux;
 }
 
-/* In doubles: a large PSF, finely sampled, is beyond what an int holds only where it is refused
- * anyway. */
+/* In double: a size beyond the range of int is rejected later. */
 static double auto_psf_side(const shear_mock_spec *s) {
     return 2.0 * ceil(psf_reach(s->psf, s->r_psf_px) * s->oversample) + 1.0;
 }

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spec.h: what follows from a spec. */
+/* spec.h: values derived from a spec. */
 #ifndef MOCKS_SPEC_H
 #define MOCKS_SPEC_H
 
 #include "shear_mocks/mock.h"
 
-/* Point sources of astronomical noise per px^2. */
+/* Return the number of point sources of astronomical noise per px^2. */
 double spec_noise_density(const shear_mock_spec *s);
-/* Amplitude of each in units of a galaxy's points. The galaxy's mean flux density is that of its
- * nominal number of points within pi R_G^2. */
+/* Return the amplitude of each, in units of a galaxy's points. The galaxy's mean flux density is
+ * that of its nominal number of points within pi R_G^2. */
 double spec_noise_amplitude(const shear_mock_spec *s);
-/* Pixel value at the peak of a galaxy's point (of W_A): 1, or the photons that make the galaxy
- * photon_snr times as bright as the background. */
+/* Return the pixel value at the peak of a galaxy's point (of W_A): 1, or the number of photons for
+ * which the galaxy is photon_snr times as bright as the background. */
 double spec_point_amplitude(const shear_mock_spec *s);
-/* Samples a side of the PSF image. */
+/* Return the number of samples per side of the PSF image. */
 int spec_psf_side(const shear_mock_spec *s);
 
 #endif

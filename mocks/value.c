@@ -14,7 +14,7 @@
 
 enum { FITS_STRING = 68 };
 
-/* strto... skips leading space; a value has none. */
+/* strtod and others skip leading space, which is not allowed here. */
 static bool begins(const char *text) {
     return *text != '\0' && !isspace((unsigned char)*text);
 }
@@ -35,7 +35,7 @@ bool value_uint64(const char *text, uint64_t *value) {
     char *end = NULL;
     errno = 0;
     uintmax_t v = strtoumax(text, &end, 10);
-    /* strtoumax takes "-1" for 2^64 - 1 */
+    /* strtoumax accepts "-1" as 2^64 - 1 */
     if (!isdigit((unsigned char)*text) || *end || errno)
         return false;
     *value = v;
@@ -50,7 +50,8 @@ bool value_double(const char *text, double *value) {
     return true;
 }
 
-/* Cut `text` at the first `mark` into two; false where there is none, or the first is too long. */
+/* Split `text` at the first `mark`. Returns false if there is none, or if the first part is too
+ * long. */
 static bool split(const char *text, char mark, char first[32], const char **second) {
     const char *at = strchr(text, mark);
     if (at == NULL || at - text >= 32)

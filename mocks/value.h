@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* value.h: values of options from text and back. A parser takes the whole text or returns false. */
+/* value.h: conversion of option values from and to text. A parser accepts the whole text or returns
+ * false. */
 #ifndef MOCKS_VALUE_H
 #define MOCKS_VALUE_H
 
@@ -10,20 +11,20 @@
 bool value_int(const char *text, int *value);
 bool value_int64(const char *text, int64_t *value);
 bool value_uint64(const char *text, uint64_t *value);
-/* Finite numbers only. */
+/* Parse a finite number. */
 bool value_double(const char *text, double *value);
-/* "X,Y" */
+/* Parse "X,Y". */
 bool value_pair(const char *text, double value[2]);
-/* "N" = "NxN", or "NXxNY" */
+/* Parse "N" (meaning "NxN") or "NXxNY". */
 bool value_size(const char *text, int value[2]);
-/* "yes" or "no" */
+/* Parse "yes" or "no". */
 bool value_bool(const char *text, bool *value);
-/* The index of `text` in `choices` (NULL-terminated). */
+/* Find `text` in `choices` (NULL-terminated); *value becomes its index. */
 bool value_choice(const char *text, const char *const *choices, int *value);
-/* Copy printable ASCII of at most 68 characters, what a FITS string takes. */
+/* Copy at most 68 characters of printable ASCII, the limit of a FITS string. */
 bool value_copy(const char *text, char *value, size_t size);
 
-/* The shortest of %.15g, %.16g, %.17g that reads back to the same bits. Returns buf. */
+/* Write the shortest of %.15g, %.16g, %.17g that reads back to the same bits. Returns buf. */
 const char *value_of_double(double value, char buf[32]);
 
 #endif

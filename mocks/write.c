@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A mock field into its file, chunk by chunk, by several threads. */
+/* Writing a mock field to a file, in chunks, with several threads. */
 #include "base/cleanup.h"
 #include "shear/version.h"
 #include "shear_mocks/mock.h"
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Pixels of a chunk, both stamps: large enough that opening a parallel region costs nothing, small
+/* Bytes of a chunk, galaxy and noise stamps: large enough to make parallel regions efficient, small
  * enough for any machine. */
 enum { CHUNK_BYTES = 16 << 20, HISTORY_LINE = 128 };
 
