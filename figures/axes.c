@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Axes: where the frame goes, data to canvas, ticks and labels. */
+/* Axes: the frame, the scales, ticks and labels. */
 #include "internal.h"
 
 #include <float.h>
@@ -13,14 +13,14 @@ static const double TICK_LABEL_ROOM = 20.0;
 static const double LABEL_ROOM = 20.0;
 static const double BARE_ROOM = 8.0;
 
-/* A range that can be drawn. */
+/* Return a range that can be drawn. */
 static shear_range usable_range(const shear_axis *axis) {
     shear_range r = shear_range_pad(axis->range, 0.0);
     if (!axis->log)
         return isfinite(r.hi - r.lo) ? r : (shear_range){0.0, 1.0};
     r.hi = r.hi > 0.0 ? r.hi : 1.0;
     r.lo = r.lo > 0.0 && r.lo < r.hi ? r.lo : 1e-3 * r.hi;
-    return r.lo >= DBL_MIN ? r : (shear_range){1e-3, 1.0}; /* below, powers of ten lose digits */
+    return r.lo >= DBL_MIN ? r : (shear_range){1e-3, 1.0}; /* powers of ten lose digits below */
 }
 
 shear_rect shear_axes_frame(const shear_figure *figure) {
@@ -37,7 +37,7 @@ static double widest_label(shear_figure *f, const shear_axis *axis, const shear_
     return widest;
 }
 
-/* At most so many ticks as leave room between their labels. */
+/* Choose as many ticks as fit with space between their labels, up to a limit. */
 static void choose_ticks(shear_figure *f, const shear_axis *axis, double length, double spacing,
                          bool horizontal, shear_ticks *ticks) {
     *ticks = (shear_ticks){0};
@@ -56,8 +56,8 @@ static void choose_ticks(shear_figure *f, const shear_axis *axis, double length,
     }
 }
 
-/* The path of a frame: around the data's pixels, on the centres of the next ones: crisp, and
- * nothing is hidden. */
+/* Add the path of a frame: around the data's pixels, on the centres of the adjacent ones, so that
+ * it is sharp and hides nothing. */
 static void frame_path(shear_figure *f, shear_rect r) {
     figure_set_colour(f, shear_palette(SHEAR_BLACK));
     cairo_set_line_width(f->cr, FRAME_WIDTH);
@@ -65,8 +65,8 @@ static void frame_path(shear_figure *f, shear_rect r) {
     cairo_rectangle(f->cr, r.x - 0.5, r.y - 0.5, r.w + 1.0, r.h + 1.0);
 }
 
-/* A tick at a place along x (or y): inward on both edges of the frame, or, over an image, outward
- * below (or left of) it. */
+/* Draw a tick at `place` along x (or y): inward on both edges of the frame or, over an image,
+ * outward below (or left of) it. */
 static void draw_tick(shear_figure *f, bool along_x, double place, double length) {
     const shear_rect r = f->axes.frame;
     const double at = floor(place) + 0.5;
@@ -87,7 +87,7 @@ static double place_of(const open_axes *axes, bool along_x, double v) {
     return along_x ? axes_x(axes, v) : axes_y(axes, v);
 }
 
-/* 2 to 9 times the powers of ten, where the axis is not too long for them. */
+/* Draw ticks at 2 to 9 times the powers of ten, unless the axis is too long for them. */
 static void draw_minor_ticks(shear_figure *f, bool along_x) {
     const shear_axis *axis = along_x ? &f->axes.spec.x : &f->axes.spec.y;
     const shear_range r = axis->range;
@@ -119,7 +119,7 @@ static void draw_power(shear_figure *f, double x, double y, double align, int ex
     shear_figure_text(f, x, y, text, &(shear_text_style){.size = TICK_SIZE, .align = align});
 }
 
-/* Names or numbers, `across` the axis in a line. */
+/* Draw names or numbers in one line; `across` is their position perpendicular to the axis. */
 static void label_ticks(shear_figure *f, bool along_x, double across, double align) {
     const open_axes *axes = &f->axes;
     const shear_axis *axis = along_x ? &axes->spec.x : &axes->spec.y;
@@ -173,7 +173,7 @@ void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame) {
     choose_ticks(f, &axes->spec.y, axes->frame.h, 34.0, false, &axes->y_ticks);
 }
 
-/* The largest frame within r on which one unit is equally long in x and y, in the middle. */
+/* Return the largest centred frame within r in which x and y have the same scale. */
 static shear_rect equal_units(shear_rect r, shear_range x, shear_range y) {
     const double scale = fmin(r.w / (x.hi - x.lo), r.h / (y.hi - y.lo));
     const double w = scale * (x.hi - x.lo);

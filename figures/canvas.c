@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The canvas: its life, its first failure, its pixels. */
+/* The canvas: creation, the first failure, single pixels. */
 #include "internal.h"
 
 #include <stdlib.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The palette and the colour maps. The maps are paths through OKLab (Ottosson 2020), whose
- * lightness is close to what the eye takes for equal steps: so they are computed, not tabulated. */
+/* The palette and the colour maps. The maps are computed as paths through OKLab (Ottosson 2020),
+ * whose lightness is close to perceptually uniform. */
 #include "shear_figures/scale.h"
 
 #include <math.h>
 
 static double clamp01(double v) {
-    return v > 0.0 ? fmin(v, 1.0) : 0.0; /* a NaN becomes 0 */
+    return v > 0.0 ? fmin(v, 1.0) : 0.0; /* NaN becomes 0 */
 }
 
 static double srgb_from_linear(double v) {
@@ -29,8 +29,8 @@ static shear_colour from_oklab(double lightness, double a, double b) {
         .a = 1.0};
 }
 
-/* Chroma along the path, everywhere inside what sRGB can show: a rise in the violet, then slowly
- * more to the yellow. */
+/* Return the chroma along the path, inside the gamut of sRGB: it rises in the violet, then slowly
+ * increases to the yellow. */
 static double uniform_chroma(double t) {
     const double violet = (t - 0.17) / 0.09;
     const double late = clamp01(2.0 * t - 1.0);
@@ -48,8 +48,9 @@ shear_colour shear_map_colour(enum shear_map map, double t) {
 }
 
 shear_colour shear_map_not_finite(void) {
-    return (shear_colour){0.90, 0.45, 0.60,
-                          1.0}; /* pink: in neither map, nor the negatives' blue */
+    return (shear_colour){
+        0.90, 0.45, 0.60,
+        1.0}; /* pink, which is in neither map, and differs from the negatives' blue */
 }
 
 shear_colour shear_map_negative(void) {
@@ -57,7 +58,7 @@ shear_colour shear_map_negative(void) {
 }
 
 shear_colour shear_palette(int i) {
-    /* After Okabe & Ito (2008). */
+    /* Colours after Okabe & Ito (2008). */
     static const shear_colour colours[SHEAR_N_HUES] = {
         [SHEAR_BLACK] = {0.10, 0.10, 0.10, 1.0},     [SHEAR_BLUE] = {0.00, 0.45, 0.70, 1.0},
         [SHEAR_VERMILION] = {0.84, 0.37, 0.00, 1.0}, [SHEAR_GREEN] = {0.00, 0.62, 0.45, 1.0},

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-enum { MAX_IMAGE_SIDE = 32767 }; /* of a cairo surface */
+enum { MAX_IMAGE_SIDE = 32767 }; /* limit of a cairo surface */
 static const double BAR_GAP = 6.0;
 static const double BAR_WIDTH = 8.0;
 static const double BAR_ROOM = 44.0;
@@ -19,10 +19,10 @@ static uint32_t packed(shear_colour c) {
            (uint32_t)lround(255.0 * c.b);
 }
 
-/* The colours of an image, worked out once: far more steps than a screen can show. */
+/* A table of the image's colours, with many more steps than a screen can show. */
 enum { STEPS = 4096 };
 typedef struct paint {
-    uint32_t steps[STEPS + 1]; /* brightness 0 .. 1 */
+    uint32_t steps[STEPS + 1]; /* for brightness 0 .. 1 */
     uint32_t negative, not_finite;
     bool mark_negative;
 } paint;
@@ -43,7 +43,7 @@ static uint32_t paint_of(const paint *p, const shear_stretch *stretch, double va
     return p->steps[lround(STEPS * shear_stretch_apply(stretch, value))];
 }
 
-/* The stretch with its limits found. False on failure, which is kept. */
+/* Determine the stretch and its limits. Returns false on failure, which is kept. */
 static bool find_stretch(shear_figure *f, const shear_image *image, shear_stretch *stretch) {
     shear_range limits = image->limits;
     shear_range percent = image->percentiles;
@@ -61,8 +61,8 @@ static bool find_stretch(shear_figure *f, const shear_image *image, shear_stretc
     return true;
 }
 
-/* The array as a surface, one pixel a pixel, row 0 at the bottom. NULL on failure, which is kept.
- */
+/* Convert the array to a surface of one pixel per sample, row 0 at the bottom. Returns NULL on
+ * failure, which is kept. */
 static cairo_surface_t *surface_of(shear_figure *f, const shear_image *image,
                                    const shear_stretch *stretch) {
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, image->nx, image->ny);
@@ -95,7 +95,7 @@ static void draw_surface(shear_figure *f, cairo_surface_t *surface, int nx, int 
     cairo_scale(f->cr, r.w / nx, r.h / ny);
     cairo_set_source_surface(f->cr, surface, 0.0, 0.0);
     cairo_pattern_t *pattern = cairo_get_source(f->cr);
-    /* Shrunk pixels are averaged: leaving some out would show patterns that are not there. */
+    /* A reduced image is averaged: skipping pixels would cause moiré patterns. */
     cairo_pattern_set_filter(pattern, shrunk ? CAIRO_FILTER_GOOD : CAIRO_FILTER_NEAREST);
     cairo_pattern_set_extend(pattern, CAIRO_EXTEND_PAD);
     cairo_paint(f->cr);
@@ -119,8 +119,8 @@ static shear_range outer_edges(shear_range given, int n) {
     return given.lo != given.hi ? given : (shear_range){-0.5, n - 0.5};
 }
 
-/* Room for titles, labels and colour bar taken off the cell; then the largest frame with square
- * pixels. */
+/* Return the largest frame with square pixels, after reserving space for titles, labels and the
+ * colour bar. */
 static shear_rect frame_of(const shear_image *image) {
     const double room = image->bar_room > 0.0 ? image->bar_room : BAR_ROOM;
     const double right = image->colour_bar ? BAR_GAP + BAR_WIDTH + room : EDGE_ROOM;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of this room share. */
+/* internal.h: the figure's struct and the functions that only this room uses. */
 #ifndef SHEAR_FIGURES_INTERNAL_H
 #define SHEAR_FIGURES_INTERNAL_H
 
@@ -9,7 +9,7 @@
 
 enum { MAX_LEGEND = 16, LEGEND_LABEL = 96 };
 
-/* What a legend's swatch shows. */
+/* The kind of a legend's sample. */
 enum swatch { SWATCH_LINE, SWATCH_POINT, SWATCH_AREA };
 
 typedef struct legend_entry {
@@ -18,10 +18,10 @@ typedef struct legend_entry {
     char label[LEGEND_LABEL];
 } legend_entry;
 
-/* The axes that are being drawn. */
+/* The axes between _begin and _end. */
 typedef struct open_axes {
     bool open;
-    bool image; /* over an image: ticks outward, so that they hide no pixel */
+    bool image; /* over an image: ticks point outward, so that they hide no pixels */
     bool ticks;
     shear_axes spec; /* ranges as drawn: finite, lo < hi */
     shear_rect frame;
@@ -34,7 +34,7 @@ struct shear_figure {
     cairo_surface_t *surface;
     cairo_t *cr;
     int width, height;
-    shear_error error; /* the first failure; code SHEAR_OK: none yet */
+    shear_error error; /* the first failure; code SHEAR_OK: none */
     open_axes axes;
 };
 
@@ -44,39 +44,41 @@ static const double TITLE_SIZE = 12.5;
 static const double FRAME_WIDTH = 0.9;
 static const double BAND_OPACITY = 0.2;
 
-/* canvas.c: true while nothing has failed; and keeping a failure. */
+/* canvas.c: return whether nothing has failed; below, keep a failure. */
 bool figure_good(shear_figure *f);
 void figure_failed(shear_figure *f, int code, const char *message);
 void figure_set_colour(shear_figure *f, shear_colour colour);
 
-/* label.c: how far the middle of the capitals lies above the baseline. */
+/* label.c: return the height of the middle of capital letters above the baseline. */
 double label_half_height(double size);
-/* The bytes of `text`, at most `most`, that are whole UTF-8 characters. */
+/* label.c: return the number of bytes of `text`, at most `most`, that are complete UTF-8
+ * characters. */
 size_t label_cut(const char *text, size_t most);
 
-/* place.c: data to canvas coordinates; NaN where there is no place (not finite, not positive on a
- * log axis). Far away places are pulled in to what cairo's fixed-point numbers hold. */
+/* place.c: convert data to canvas coordinates; NaN if there is no position (not finite, not
+ * positive on a log axis). Distant positions are limited to the range of cairo's fixed-point
+ * numbers. */
 double axes_x(const open_axes *axes, double x);
 double axes_y(const open_axes *axes, double y);
-/* True where axes are open and nothing has failed; else keeps the failure. */
+/* Return whether axes are open and nothing has failed; otherwise keep the failure. */
 bool axes_ready(shear_figure *f);
 
-/* pen.c: cut what follows at the frame, until cairo_restore; stroke and fill the path with the
- * style's colour, width and dash; a marker's shape at a place. */
+/* pen.c: clip at the frame until cairo_restore; stroke and fill the path with the style's colour,
+ * width and dash; draw a marker. */
 void pen_clip(shear_figure *f);
 void pen_stroke(shear_figure *f, const shear_style *style);
 void pen_fill(shear_figure *f, const shear_style *style, double default_opacity);
 void pen_marker(shear_figure *f, double x, double y, const shear_style *style);
 
-/* legend.c */
+/* legend.c: add an entry to the legend. */
 void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style);
-/* Of an area without outline. */
+/* Add an entry for an area without outline. */
 void legend_add_band(shear_figure *f, const shear_style *style);
 void legend_draw(shear_figure *f);
 
 /* axes.c: make `spec` the open axes with the given frame. */
 void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame);
-/* Ticks along y beside x = edge, to the right. For colour bars. */
+/* Draw ticks along y at x = edge, to the right, for colour bars. */
 void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *stretch,
                          const shear_ticks *ticks);
 

@@ -8,14 +8,14 @@
 #include <string.h>
 
 static const char FONT[] = "DejaVu Sans";
-static const double SCRIPT_SIZE = 0.72; /* of the line's size */
+static const double SCRIPT_SIZE = 0.72; /* relative to the line's size */
 static const double SCRIPT_RISE = 0.38;
 static const double SCRIPT_DROP = 0.18;
 static const double CAPITAL = 0.729; /* height of DejaVu's capitals */
-static const double LINE = 1.55;     /* between the lines of a table */
+static const double LINE = 1.55;     /* line spacing of a table */
 
-/* Fontconfig, which cairo finds its fonts with, keeps memory of its own to the end and loses the
- * pointers. Here, since only a file that is always linked can tell the leak sanitizer. */
+/* Fontconfig, which cairo uses, does not free its memory at exit. This suppression is here because
+ * the leak sanitizer reads it only from a file that is always linked. */
 #if defined(__SANITIZE_ADDRESS__)
 #define UNDER_LEAK_SANITIZER 1
 #elif defined(__has_feature)
@@ -34,14 +34,14 @@ const char *__lsan_default_options(void) {
 }
 #endif
 
-/* A piece of the text at one level. */
+/* A part of the text at one level. */
 typedef struct run {
     char text[128];
     double size;
     double rise; /* above the baseline, pixels */
 } run;
 
-/* A cut through a character would be invalid text, which cairo refuses. */
+/* Text cut inside a character would be invalid, and cairo would reject it. */
 size_t label_cut(const char *text, size_t most) {
     size_t length = strnlen(text, most);
     while (length > 0 && ((unsigned char)text[length] & 0xc0) == 0x80)
@@ -49,8 +49,8 @@ size_t label_cut(const char *text, size_t most) {
     return length;
 }
 
-/* Cairo refuses a whole figure for one bad byte, and names in files may hold any: those become '?'.
- */
+/* Replace invalid bytes by '?': file names may contain them, and cairo would reject the whole
+ * figure. */
 static void make_valid(char *p) {
     uint32_t point = 0;
     while (*p != '\0') {
@@ -63,7 +63,7 @@ static void make_valid(char *p) {
     }
 }
 
-/* Take the next run off *text. False at the end. */
+/* Take the next run from *text. Returns false at the end. */
 static bool next_run(const char **text, double size, run *out) {
     const char *p = *text;
     size_t length = 0;
@@ -78,7 +78,9 @@ static bool next_run(const char **text, double size, run *out) {
         length = strcspn(p, "}");
         *text = p + length + (p[length] == '}');
     } else {
-        length = 1 + strcspn(p + 1, "_^"); /* a lone mark is a character of the next run */
+        length =
+            1 +
+            strcspn(p + 1, "_^"); /* a single '_' or '^' is an ordinary character of the next run */
         *text = p + length;
     }
     if (length >= sizeof out->text) {
@@ -96,7 +98,7 @@ static void select_font(shear_figure *f, double size, bool bold) {
     cairo_set_font_size(f->cr, size);
 }
 
-/* Set the text from (x, baseline), or only measure it. Returns its width. */
+/* Draw the text from (x, baseline), or only measure it. Returns its width. */
 static double set_text(shear_figure *f, double x, double baseline, const char *text, double size,
                        bool bold, bool draw) {
     double width = 0.0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Cells of a grid. */
+/* The cells of a grid. */
 #include "internal.h"
 
-/* Sum of the weights of cells [first, last), all 1 without weights. */
+/* Return the sum of the weights of cells [first, last), each 1 without weights. */
 static double weight_of(const double *weights, int first, int last) {
     double sum = 0.0;
     for (int i = first; i < last; i++)
@@ -10,7 +10,7 @@ static double weight_of(const double *weights, int first, int last) {
     return sum;
 }
 
-/* Cells [at, at + span) of n along one direction. */
+/* Compute the extent of cells [at, at + span) of n along one direction. */
 static void cut(double start, double length, double gap, int n, const double *weights, int at,
                 int span, double *out_start, double *out_length) {
     const double usable = length - gap * (n - 1);

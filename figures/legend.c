@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The legend: collected while marks are drawn, set in a corner at the end. */
+/* The legend: its entries are collected with the marks, and drawn in a corner at the end. */
 #include "internal.h"
 
 #include <math.h>

@@ -27,7 +27,7 @@ void shear_axes_line(shear_figure *f, size_t n, const double *x, const double *y
     legend_add(f, SWATCH_LINE, style);
 }
 
-/* An error bar from (x0, y0) to (x1, y1) on the canvas. */
+/* Draw an error bar from (x0, y0) to (x1, y1) on the canvas. */
 static void error_bar(shear_figure *f, double x0, double y0, double x1, double y1) {
     if (!isnan(x0) && !isnan(y0) && !isnan(x1) && !isnan(y1)) {
         cairo_move_to(f->cr, x0, y0);
@@ -35,7 +35,7 @@ static void error_bar(shear_figure *f, double x0, double y0, double x1, double y
     }
 }
 
-/* The lower end of a bar on a log axis may have no place: it then ends at the frame. */
+/* Return the lower end of a bar; on a log axis it may have no position, and is then the frame. */
 static double lower_end(const open_axes *axes, double (*map)(const open_axes *, double),
                         double value, double at_frame) {
     const double place = map(axes, value);
@@ -75,7 +75,7 @@ void shear_axes_points(shear_figure *f, size_t n, const double *x, const double 
     legend_add(f, SWATCH_POINT, style);
 }
 
-/* The outline of values [from, to), all of which have a place. */
+/* Add the outline of values [from, to), all of which have a position. */
 static void band_piece(shear_figure *f, size_t from, size_t to, const double *x, const double *lo,
                        const double *hi, const shear_style *style) {
     for (size_t i = from; i < to; i++)
@@ -103,7 +103,7 @@ void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *l
     legend_add_band(f, style);
 }
 
-/* The steps of the histogram from the base line and back to it. */
+/* Add the steps of the histogram, from the base line and back to it. */
 static void steps_path(shear_figure *f, int bins, shear_range r, const double *counts) {
     const open_axes *axes = &f->axes;
     const double base = axes->frame.y + axes->frame.h;
@@ -111,7 +111,7 @@ static void steps_path(shear_figure *f, int bins, shear_range r, const double *c
     cairo_move_to(f->cr, axes_x(axes, r.lo), base);
     for (int b = 0; b < bins; b++) {
         const double top = axes_y(axes, counts[b]);
-        const double y = isnan(top) ? base : top; /* no counts on a log axis */
+        const double y = isnan(top) ? base : top; /* zero counts on a log axis */
         cairo_line_to(f->cr, axes_x(axes, r.lo + width * b), y);
         cairo_line_to(f->cr, axes_x(axes, r.lo + width * (b + 1)), y);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Strokes, fillings and markers. */
+/* Strokes, fills and markers. */
 #include "internal.h"
 
 static const double LINE_WIDTH = 1.4;

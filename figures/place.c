@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where data lie on the canvas. */
+/* Positions of data on the canvas. */
 #include "internal.h"
 
 #include <math.h>
 
 static const double FAR = 4e6; /* pixels; cairo's fixed-point coordinates end at 8.4e6 */
 
-/* 0 at lo, 1 at hi; NaN where there is no place. */
+/* Return 0 at lo, 1 at hi; NaN if there is no position. */
 static double part_of(const shear_axis *axis, double v) {
     const shear_range r = axis->range;
     if (axis->log)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* PNG files that appear whole or not at all. */
+/* Writing a PNG file, which appears complete or not at all. */
 #include "internal.h"
 
 #include "base/cleanup.h"
@@ -25,12 +25,11 @@ static int fail_exists(shear_error *err, const char *path) {
                       "%s exists", path);
 }
 
-/* Only a regular file may be replaced: renaming over a device or a pipe would put a file in its
- * place. */
+/* Allow only a regular file to be replaced: renaming over a device or a pipe would remove it. */
 static int check_target(const char *path, bool replace, shear_error *err) {
     struct stat st;
     if (stat(path, &st) != 0) {
-        return SHEAR_OK; /* new, or a place that open will complain about */
+        return SHEAR_OK; /* new, or a path for which open will fail */
     }
     if (!S_ISREG(st.st_mode))
         return shear_fail(err, SHEAR_E_IO, "name a file", "%s is not a regular file", path);
@@ -42,13 +41,15 @@ static cairo_status_t write_bytes(void *closure, const unsigned char *data, unsi
     return errno == 0 ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
-/* Move the finished file to its name. */
+/* Rename the finished file. */
 static int put_in_place(const char *part, const char *path, bool replace, shear_error *err) {
     if (replace)
         return rename(part, path) == 0 ? SHEAR_OK : fail_io(err, "write", path, errno);
     if (renameat2(AT_FDCWD, part, AT_FDCWD, path, RENAME_NOREPLACE) == 0)
         return SHEAR_OK;
-    if (errno == EINVAL || errno == ENOSYS) { /* a file system that cannot: link refuses as well */
+    if (errno == EINVAL || errno == ENOSYS) {
+        /* The file system does not support RENAME_NOREPLACE. link does not replace a file, either.
+         */
         if (link(part, path) == 0) {
             unlink(part);
             return SHEAR_OK;
@@ -57,7 +58,7 @@ static int put_in_place(const char *part, const char *path, bool replace, shear_
     return errno == EEXIST ? fail_exists(err, path) : fail_io(err, "write", path, errno);
 }
 
-/* Write the picture to the open descriptor, down to the disk. Closes it. */
+/* Write the image to the descriptor, sync it to disk, and close it. */
 static int write_png(shear_figure *f, int fd, const char *path, shear_error *err) {
     errno = 0;
     const cairo_status_t status = cairo_surface_write_to_png_stream(f->surface, write_bytes, &fd);

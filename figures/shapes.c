@@ -6,7 +6,7 @@
 
 static const double TWO_PI = 6.283185307179586;
 
-/* A straight line on the canvas, cut at the frame. */
+/* Draw a straight line on the canvas, clipped at the frame. */
 static void straight(shear_figure *f, double x0, double y0, double x1, double y1,
                      const shear_style *style) {
     if (!isnan(x0) && !isnan(y0) && !isnan(x1) && !isnan(y1)) {
@@ -35,7 +35,7 @@ void shear_axes_vline(shear_figure *f, double x, const shear_style *style) {
     }
 }
 
-/* A filled rectangle on the canvas, at least a pixel wide, without outline. */
+/* Fill a rectangle on the canvas, at least one pixel wide, without outline. */
 static void area(shear_figure *f, double x0, double y0, double x1, double y1,
                  const shear_style *style, double opacity) {
     if (!isnan(x0) && !isnan(y0) && !isnan(x1) && !isnan(y1)) {
@@ -73,7 +73,7 @@ void shear_axes_bar(shear_figure *f, bool horizontal, double at, double thick, d
     }
 }
 
-/* x + a cos t + b sin t, y + c cos t + d sin t for t over the whole turn. */
+/* Add the curve (x + a cos t + b sin t, y + c cos t + d sin t), t from 0 to 2 pi. */
 static void closed_curve(shear_figure *f, double x, double y, const double m[4],
                          const shear_style *style) {
     enum { STEPS = 180 };
@@ -104,7 +104,7 @@ void shear_axes_ellipse(shear_figure *f, double x, double y, const double cov[3]
     const double determinant = cov[0] * cov[2] - cov[1] * cov[1];
     if (!(cov[0] > 0.0) || !(determinant > 0.0) || !isfinite(x) || !isfinite(y))
         return;
-    /* The Cholesky factor turns the unit circle into the ellipse. */
+    /* The Cholesky factor maps the unit circle to the ellipse. */
     const double l11 = sqrt(cov[0]);
     const double l21 = cov[1] / l11;
     const double l22 = sqrt(determinant) / l11;

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* An axis or a span needs some width that survives rounding. */
+/* The width of an axis or a span must be larger than rounding errors. */
 static const double SMALLEST_RELATIVE_WIDTH = 1e-12;
 static const double LOG_DEPTH = 1e-4;     /* of a log stretch whose lower end is not positive */
 static const double KNEE_PART = 1.0 / 20; /* of an asinh stretch's larger end */
@@ -17,7 +17,7 @@ shear_range shear_range_of(const double *v, size_t n) {
     shear_range r = {NAN, NAN};
     for (size_t i = 0; i < n; i++) {
         if (isfinite(v[i])) {
-            r.lo = fmin(r.lo, v[i]); /* fmin and fmax leave out a NaN */
+            r.lo = fmin(r.lo, v[i]); /* fmin and fmax ignore NaN */
             r.hi = fmax(r.hi, v[i]);
         }
     }
@@ -34,7 +34,7 @@ shear_range shear_range_pad(shear_range r, double part) {
     if (r.lo > r.hi)
         r = (shear_range){r.hi, r.lo};
     const double magnitude = fmax(fabs(r.lo), fabs(r.hi));
-    const double width = r.hi / 2 - r.lo / 2; /* halved: the full width may overflow */
+    const double width = r.hi / 2 - r.lo / 2; /* half, because the full width may overflow */
     if (width <= SMALLEST_RELATIVE_WIDTH * magnitude) {
         const double half = magnitude > 0.0 ? 0.05 * magnitude : 0.5;
         return (shear_range){r.lo - half, r.hi + half};
@@ -42,7 +42,7 @@ shear_range shear_range_pad(shear_range r, double part) {
     return (shear_range){r.lo - 2 * width * part, r.hi + 2 * width * part};
 }
 
-/* Between order statistics; sorted[n], n >= 1. */
+/* Interpolate between order statistics; sorted[n], n >= 1. */
 static double percentile_of_sorted(const double *sorted, size_t n, double percent) {
     const double place = fmin(fmax(percent, 0.0), 100.0) / 100.0 * (double)(n - 1);
     const size_t below = (size_t)place;
@@ -107,7 +107,7 @@ shear_stretch shear_stretch_make(enum shear_stretch_kind kind, shear_range span,
     return s;
 }
 
-/* The monotonic function of the value in which brightness is linear. */
+/* Return the monotonic function of the value to which the brightness is linear. */
 static double stretched(const shear_stretch *s, double value) {
     switch (s->kind) {
     case SHEAR_ASINH:
@@ -115,7 +115,7 @@ static double stretched(const shear_stretch *s, double value) {
     case SHEAR_LOG:
         return value > 0.0 ? log(value) : -INFINITY;
     default:
-        return value / 2; /* halved: the difference of two may overflow */
+        return value / 2; /* half, because the difference of two may overflow */
     }
 }
 

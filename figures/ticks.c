@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ticks at round numbers, and how they are written. */
+/* Ticks at round numbers, and their labels. */
 #include "shear_figures/scale.h"
 
 #include <float.h>
@@ -7,18 +7,18 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Rounding must not lose a tick that lies on an end of the axis. */
+/* Rounding must not drop a tick at an end of the axis. */
 static const double SLACK = 1e-9;
 static const char MINUS[] = "\xe2\x88\x92"; /* U+2212, as wide as a digit */
 
 typedef struct step {
     int digit;    /* 1, 2 or 5 */
     int exponent; /* times 10^exponent */
-    double first; /* multiples: first .. last */
+    double first; /* range of multiples: first .. last */
     double last;
 } step;
 
-/* 1/10^n rounds once, and so prints better than 10^-n; beyond 10^300 it would be 1/infinity. */
+/* 1/10^n is rounded once, and so prints better than 10^-n; beyond 10^300 it would be 1/infinity. */
 static double power_of_ten(int exponent) {
     return exponent < 0 && exponent > -300 ? 1.0 / pow(10.0, -exponent) : pow(10.0, exponent);
 }
@@ -27,7 +27,7 @@ static double step_size(const step *s) {
     return s->digit * power_of_ten(s->exponent);
 }
 
-/* Multiples of the step within [lo, hi]; returns how many. */
+/* Return the number of multiples of the step within [lo, hi]. */
 static double count_multiples(step *s, double lo, double hi) {
     const double size = step_size(s);
     s->first = ceil(lo / size - SLACK);
@@ -35,10 +35,10 @@ static double count_multiples(step *s, double lo, double hi) {
     return s->last - s->first + 1.0;
 }
 
-/* The finest step of 1, 2, 5 times 10^k that gives at most at_most ticks. */
+/* Return the smallest step of 1, 2, 5 times 10^k that gives at most at_most ticks. */
 static step choose_step(double lo, double hi, int at_most) {
     static const int digits[3] = {1, 2, 5};
-    const int start = (int)floor(log10((hi - lo) / at_most)) - 1; /* surely too fine */
+    const int start = (int)floor(log10((hi - lo) / at_most)) - 1; /* certainly too small */
     step s = {0};
     for (int i = 0; i < 12; i++) {
         s = (step){.digit = digits[i % 3], .exponent = start + i / 3};
@@ -48,7 +48,7 @@ static step choose_step(double lo, double hi, int at_most) {
     return s;
 }
 
-/* `number` with so many decimals and a true minus. */
+/* Write `number` with so many decimals, with a minus sign (U+2212). */
 static void write_number(char label[SHEAR_TICK_LABEL], double number, int decimals) {
     char digits[SHEAR_TICK_LABEL];
     snprintf(digits, sizeof digits, "%.*f", decimals, fabs(number));
@@ -80,14 +80,14 @@ void shear_ticks_linear(shear_ticks *t, double lo, double hi, int at_most) {
     for (t->n = 0; t->n < n; t->n++) {
         const double multiple = (s.first + t->n) * s.digit;
         t->at[t->n] = multiple * power_of_ten(s.exponent);
-        /* Scaled through the exponents' difference: 10^exponent itself may be out of range. */
+        /* The difference of the exponents is used because 10^exponent may be out of range. */
         write_number(t->label[t->n], multiple * power_of_ten(s.exponent - t->exponent),
                      decimals < 12 ? decimals : 12);
     }
 }
 
-/* Ticks digit x 10^e for the given digits, e in steps of `stride`; returns how many there are (t
- * holds the first at_most). */
+/* Add ticks digit x 10^e for the given digits, e in steps of `stride`. Returns how many there are;
+ * t contains the first at_most. */
 static int log_candidates(shear_ticks *t, double lo, double hi, int at_most, int stride,
                           int n_digits) {
     static const int digits[3] = {1, 2, 5};
@@ -131,7 +131,7 @@ void shear_ticks_log(shear_ticks *t, double lo, double hi, int at_most) {
         shear_ticks_linear(t, lo, hi, at_most);
 }
 
-/* Add a tick unless another one is too near; keeps the order. */
+/* Insert a tick in order, unless another one is too close. */
 static void insert_apart(shear_ticks *t, const shear_stretch *s, double at, double apart) {
     const double place = shear_stretch_apply(s, at);
     int before = 0;
@@ -147,7 +147,7 @@ static void insert_apart(shear_ticks *t, const shear_stretch *s, double at, doub
     t->n++;
 }
 
-/* 0 and the powers of ten from the largest down, then 5 and 2 times them where there is room. */
+/* Add 0 and the powers of ten from the largest down, then 5 and 2 times them if there is space. */
 static void asinh_places(shear_ticks *t, const shear_stretch *s, double apart) {
     static const int digits[3] = {1, 5, 2};
     const double largest = fmax(fabs(s->span.lo), fabs(s->span.hi));
@@ -161,7 +161,7 @@ static void asinh_places(shear_ticks *t, const shear_stretch *s, double apart) {
     }
 }
 
-/* asinh ticks span decades: %g serves the small ones, powers the rest. */
+/* Label asinh ticks, which span decades: small numbers with %g, others as powers. */
 static void write_asinh_label(char label[SHEAR_TICK_LABEL], double at) {
     const double magnitude = fabs(at);
     if (magnitude > 0.0 && (magnitude < 1e-2 || magnitude >= 1e5)) {

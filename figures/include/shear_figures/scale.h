@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear_figures/scale.h: from numbers to positions, brightness and colours; no drawing. */
+/* shear_figures/scale.h: conversion of numbers to positions, brightness and colours, without
+ * drawing. */
 #ifndef SHEAR_FIGURES_SCALE_H
 #define SHEAR_FIGURES_SCALE_H
 
@@ -14,38 +15,38 @@ typedef struct shear_range {
     double lo, hi;
 } shear_range;
 
-/* The smallest range that holds the finite ones of v[n]; {NaN, NaN} where there is none. */
+/* Return the smallest range of the finite values in v[n]; {NaN, NaN} if there are none. */
 shear_range shear_range_of(const double *v, size_t n);
-/* The smallest range that holds both; a NaN range adds nothing. */
+/* Return the smallest range that includes both; a NaN range is ignored. */
 shear_range shear_range_join(shear_range a, shear_range b);
-/* Widened on each side by `part` of its width. A range without width becomes one around its value,
- * a NaN range becomes [0, 1]: the answer can always be drawn. */
+/* Return r, widened on each side by `part` of its width. A range without width becomes one around
+ * its value, a NaN range becomes [0, 1]: the result can always be drawn. */
 shear_range shear_range_pad(shear_range r, double part);
-/* *out = the two percentiles (0..100, linear between order statistics) of the finite ones of v[n];
- * {NaN, NaN} where there is none. SHEAR_E_NOMEM. */
+/* Set *out to two percentiles (0..100, linear between order statistics) of the finite values in
+ * v[n]; {NaN, NaN} if there are none. Returns SHEAR_OK or SHEAR_E_NOMEM. */
 int shear_range_percentile(shear_range *out, const double *v, size_t n, double lo_percent,
                            double hi_percent, shear_error *err);
 
-/* counts[bins] = how many of v[n] fall into each of `bins` equal bins of r, the last bin closed.
- * Returns how many finite values fell outside. */
+/* Set counts[bins] to the numbers of v[n] in each of `bins` equal bins of r, the last bin closed.
+ * Returns how many finite values are outside. */
 size_t shear_histogram(double *counts, int bins, shear_range r, const double *v, size_t n);
 
-/* ---- stretches: how a pixel's value becomes a brightness ---- */
+/* ---- stretches: the brightness of a pixel's value ---- */
 
 enum shear_stretch_kind { SHEAR_LINEAR = 0, SHEAR_ASINH, SHEAR_LOG };
 
 typedef struct shear_stretch {
     enum shear_stretch_kind kind;
-    shear_range span; /* shown from the darkest to the brightest colour */
-    double knee;      /* SHEAR_ASINH: values below it are linear, above it logarithmic */
+    shear_range span; /* displayed, from the darkest to the brightest colour */
+    double knee;      /* for SHEAR_ASINH: linear below, logarithmic above */
 } shear_stretch;
 
-/* A stretch that can be used: a span without width or not finite is widened as by shear_range_pad;
- * a log's lower end that is not positive becomes 1e-4 of the upper; a knee that is not positive
+/* Return a usable stretch: a span without width or not finite is widened as by shear_range_pad; a
+ * log's lower end that is not positive becomes 1e-4 of the upper end; a knee that is not positive
  * becomes 1/20 of the larger end. */
 shear_stretch shear_stretch_make(enum shear_stretch_kind kind, shear_range span, double knee);
-/* The brightness of `value`: 0 at span.lo, 1 at span.hi, clamped to [0, 1], never decreasing; NaN
- * stays NaN. */
+/* Return the brightness of `value`: 0 at span.lo, 1 at span.hi, clamped to [0, 1], never
+ * decreasing; NaN for NaN. */
 double shear_stretch_apply(const shear_stretch *s, double value);
 
 /* ---- ticks ---- */
@@ -56,18 +57,18 @@ typedef struct shear_ticks {
     int n;
     double at[SHEAR_MAX_TICKS];                    /* increasing */
     char label[SHEAR_MAX_TICKS][SHEAR_TICK_LABEL]; /* marked-up text, see figure.h */
-    int exponent; /* the labels are to be multiplied by 10^exponent; 0 where they stand for
-                     themselves */
+    int exponent; /* the labels must be multiplied by 10^exponent; 0 if they are the values */
 } shear_ticks;
 
-/* Multiples of a step 1, 2 or 5 times 10^k within [lo, hi]: the finest step that gives no more than
- * `at_most` (2..SHEAR_MAX_TICKS). None where lo < hi does not hold or either is not finite. */
+/* Compute ticks at multiples of 1, 2 or 5 times 10^k within [lo, hi], with the smallest step that
+ * gives at most `at_most` (2..SHEAR_MAX_TICKS). There are none unless lo < hi and both are finite.
+ */
 void shear_ticks_linear(shear_ticks *t, double lo, double hi, int at_most);
-/* Powers of ten, every 1st, 2nd, ... so that there are no more than at_most; where fewer than two
- * fit, 1, 2 and 5 times powers of ten; where even these are fewer than two, as shear_ticks_linear.
- * None where 0 < lo < hi fails or lo is subnormal. */
+/* Compute ticks at powers of ten, or at every 2nd, 3rd, ... so that there are at most at_most. If
+ * fewer than two fit, use 1, 2 and 5 times powers of ten; if these are fewer than two, use
+ * shear_ticks_linear. There are none unless 0 < lo < hi, or if lo is subnormal. */
 void shear_ticks_log(shear_ticks *t, double lo, double hi, int at_most);
-/* For a colour bar: values whose brightnesses are at least 1/at_most apart. */
+/* Compute ticks of a colour bar: values whose brightnesses differ by at least 1/at_most. */
 void shear_ticks_stretch(shear_ticks *t, const shear_stretch *s, int at_most);
 
 /* ---- colours ---- */
@@ -76,8 +77,8 @@ typedef struct shear_colour {
     double r, g, b, a; /* sRGB and opacity, 0..1 */
 } shear_colour;
 
-/* Eight colours that readers of every kind of colour vision can tell apart; black first, then round
- * again. */
+/* Eight colours that readers with any colour vision can distinguish; black first. Larger numbers
+ * repeat them. */
 enum shear_hue {
     SHEAR_BLACK = 0,
     SHEAR_BLUE,
@@ -92,12 +93,12 @@ enum shear_hue {
 shear_colour shear_palette(int i);
 shear_colour shear_palette_faint(int i, double opacity);
 
-/* SHEAR_MAP_UNIFORM: from dark violet over teal to yellow, equal steps in OKLab lightness;
- * SHEAR_MAP_GREY: black to white, equal steps in lightness too. */
+/* SHEAR_MAP_UNIFORM: dark violet over teal to yellow, in equal steps of OKLab lightness.
+ * SHEAR_MAP_GREY: black to white, also in equal steps of lightness. */
 enum shear_map { SHEAR_MAP_UNIFORM = 0, SHEAR_MAP_GREY };
-/* The colour of brightness t (clamped to [0, 1]); `map` as above. */
+/* Return the colour of brightness t, which is clamped to [0, 1]. */
 shear_colour shear_map_colour(enum shear_map map, double t);
-/* Pixels that are not finite, and negative ones where they are marked. */
+/* Return the colour of pixels that are not finite; below, of negative pixels that are marked. */
 shear_colour shear_map_not_finite(void);
 shear_colour shear_map_negative(void);
 
