@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear-paper: the experiments of Zhang (2010), and some that go beyond it. */
+/* shear-paper: the experiments of Zhang (2010), and others that go beyond it. */
 #include "engine/must.h"
 #include "experiments/list.h"
 #include "report/run.h"
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* In the order of the paper. */
+/* in the order of the paper */
 static const experiment *const experiments[] = {
     &experiment_noise,      &experiment_images,
     &experiment_single,     &experiment_pixels,

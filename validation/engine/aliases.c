@@ -3,9 +3,9 @@
 
 #include <math.h>
 
-enum { RINGS = 400, ANGLES = 48, FARTHEST = 3 }; /* aliases up to so many periods away */
+enum { RINGS = 400, ANGLES = 48, FARTHEST = 3 }; /* aliases up to this many periods away */
 
-/* Half-light radius of a disk of scale 1. */
+/* half-light radius of an exponential disk of scale 1 */
 static const double half_light_disk = 1.67834;
 
 double disk_power(double k, const void *half_light_px) {
@@ -13,7 +13,7 @@ double disk_power(double k, const void *half_light_px) {
     return pow(1.0 + k * k * scale * scale, -3.0);
 }
 
-/* The aliases' power at a mode, over |W|^2 there. */
+/* Return the power of the aliases at a mode, divided by |W|^2 there. */
 static double aliased_power(double kx, double ky, const double sigma_px[2], power_function *power,
                             const void *context) {
     const double period = 2.0 * M_PI;

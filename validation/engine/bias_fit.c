@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* m1, c1, m2, c2 */
+/* Compute m1, c1, m2, c2. */
 static void fit_lines(const jackknife_total *totals, const void *context, double *out) {
     const shear_set *set = context;
     for (int c = 0; c < 2; c++) {
@@ -53,8 +53,8 @@ void bias_fit_compare(const jackknife_sums *s, const shear_set *a, const shear_s
     dm_err[1] = sqrt(cov[3]);
 }
 
-/* Least squares for m and a in d_i = c_i + m g_i + a |g|^2 g_i. The shears come as +g and -g, so
- * that the odd terms do not mix with c, which is left out. */
+/* Fit m and a in d_i = c_i + m g_i + a |g|^2 g_i by least squares. Shears come in pairs +g and -g,
+ * so that the odd terms are independent of c, which is not fitted. */
 static void fit_cubic(const jackknife_total *totals, const void *context, double *out) {
     const shear_set *set = context;
     double s11 = 0.0;

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bias_fit.h: multiplicative and additive bias: measured = (1 + m) true + c.
+/* bias_fit.h: multiplicative and additive bias, measured = (1 + m) true + c.
  *
- * Zhang (2010), eq. (11): a straight line through the same galaxies at several shears. Errors are
- * the jackknife's over the groups of galaxies, so that what is common to all shears (shapes, noise)
- * does not count as error of m.
- */
+ * A straight line is fitted to the same galaxies at several shears, as in eq. (11) of Zhang (2010).
+ * Errors are from the jackknife over groups of galaxies, so that anything common to all shears
+ * (shapes, noise) does not contribute to the error of m. */
 #ifndef VALIDATION_BIAS_FIT_H
 #define VALIDATION_BIAS_FIT_H
 
@@ -12,7 +11,7 @@
 
 enum { BIAS_MAX_SHEARS = 16 };
 
-/* Which series of a sample's sums show which true shear. */
+/* The series of a sample's sums, and their true shears. */
 typedef struct shear_set {
     int n;
     int series[BIAS_MAX_SHEARS];
@@ -24,13 +23,13 @@ typedef struct bias_fit {
 } bias_fit;
 bias_fit bias_fit_lines(const jackknife_sums *s, const shear_set *set);
 
-/* m of one set minus m of another of the same galaxies, and its error, of both components. */
+/* Compute m of one set minus m of another of the same galaxies, with its error, for both
+ * components. */
 void bias_fit_compare(const jackknife_sums *s, const shear_set *a, const shear_set *b, double dm[2],
                       double dm_err[2]);
 
-/* The lowest orders of measured - true in the true shear, for shears along one axis at a time:
- * measured_i - g_i = c_i + m_i g_i + a |g|^2 g_i. `cubic` and its error are a, from both components
- * together. */
+/* The lowest orders of measured - true for shears along one axis at a time: measured_i - g_i = c_i
+ * + m_i g_i + a |g|^2 g_i. `cubic` is a, from both components together. */
 typedef struct bias_cubic {
     double m, m_err, cubic, cubic_err;
 } bias_cubic;

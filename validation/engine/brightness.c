@@ -11,7 +11,7 @@
 
 enum { TILE = 4, PROBES = 64 };
 
-/* splitmix64: one number of [0, 1) for (seed, index). */
+/* Return a number in [0, 1) for (seed, index), by splitmix64. */
 static double uniform(uint64_t seed, uint64_t index) {
     uint64_t z = seed * UINT64_C(0x9E3779B97F4A7C15) + (index + 1) * UINT64_C(0xD1B54A32D192ED03);
     z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
@@ -45,16 +45,16 @@ double brightness_sigma(const shear_mock_spec *spec, double snr) {
     return sqrt(sum / PROBES) / snr;
 }
 
-/* One thread's images [TILE][ny][nx] and scratch. */
+/* The images of one thread, [TILE][ny][nx] each, and scratch memory. */
 typedef struct worker {
     shear_workspace *ws;
     double *bare, *none;    /* galaxies without noise; their empty noise stamps */
-    double *first, *second; /* unit noise of galaxy and noise stamp */
-    double *galaxy, *noise; /* what is measured */
+    double *first, *second; /* unit noise of galaxy and noise stamps */
+    double *galaxy, *noise; /* the input of the measurement */
 } worker;
 
 struct brightness_stamps {
-    shear_mock *bare, *noisy; /* the latter in noise of sigma 1 */
+    shear_mock *bare, *noisy; /* the latter with noise of sigma 1 */
     shear_plan *plan;
     size_t pixels;
     int n_workers;
@@ -91,7 +91,7 @@ void brightness_stamps_free(brightness_stamps *s) {
         return;
     for (int i = 0; i < s->n_workers; i++) {
         shear_workspace_free(s->workers[i].ws);
-        free(s->workers[i].bare); /* the first of its images */
+        free(s->workers[i].bare); /* one allocation for all images */
     }
     free(s->workers);
     shear_plan_free(s->plan);
@@ -111,7 +111,7 @@ typedef struct batch {
     shear_row *rows; /* [n][count] */
 } batch;
 
-/* Galaxies without noise, and unit noise as the difference from those in noise. */
+/* Draw galaxies without noise, and unit noise as the difference to the same galaxies with noise. */
 static void draw(const brightness_stamps *s, worker *w, int64_t first, int count) {
     must(shear_mock_stamps(s->bare, first, count, 1, w->bare, w->none, &must_error));
     must(shear_mock_stamps(s->noisy, first, count, 1, w->first, w->second, &must_error));
@@ -119,7 +119,7 @@ static void draw(const brightness_stamps *s, worker *w, int64_t first, int count
         w->first[i] -= w->bare[i];
 }
 
-/* The factor flux^2 on all moments. */
+/* Multiply all moments by flux^2. */
 static void scale_row(shear_row *row, double flux) {
     double *const moments[] = {&row->n1,      &row->n2,       &row->d,        &row->u,
                                &row->v,       &row->m20,      &row->m02,      &row->m11,

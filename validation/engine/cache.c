@@ -20,7 +20,7 @@
 enum { KEY_LENGTH = 12, MAX_NAME = 80 };
 static const char head[] = "shear-paper state 1\n";
 
-/* One line: NAME CHUNK COUNT SECONDS VALUE... end */
+/* One line of the state file: NAME CHUNK COUNT SECONDS VALUE... end */
 typedef struct record {
     char name[MAX_NAME];
     int chunk, n;
@@ -57,7 +57,7 @@ static bool parse_int(const char **p, int *value) {
     return good;
 }
 
-/* The first word, which is the task's name. */
+/* Parse the first word, the name of the task. */
 static bool parse_name(const char **p, char *name) {
     const size_t length = strcspn(*p, " ");
     if (length == 0 || length >= MAX_NAME || (*p)[length] != ' ')
@@ -67,7 +67,7 @@ static bool parse_name(const char **p, char *name) {
     return true;
 }
 
-/* True where `line` is a whole record; its values are allocated either way. */
+/* Return whether `line` is a complete record. Its values are allocated in either case. */
 static bool parse_record(const char *line, record *r) {
     const char *p = line;
     *r = (record){0};
@@ -90,7 +90,7 @@ static void keep(cache *c, const record *r) {
     c->seconds += r->seconds;
 }
 
-/* Take the records of the file; returns the length up to which it is whole. */
+/* Read the records of the file. Returns the length of its complete part. */
 static off_t read_records(cache *c) {
     char *line = NULL;
     size_t size = 0;
@@ -172,7 +172,7 @@ double cache_seconds(const cache *c) {
 
 /* ---- tasks ---- */
 
-/* The record of a chunk that was finished earlier, or NULL. */
+/* Return the record of a chunk that was finished earlier, or NULL. */
 static const record *find(const cache *c, const cache_task *t, int chunk) {
     for (size_t i = 0; i < c->n; i++) {
         const record *r = &c->records[i];

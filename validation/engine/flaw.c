@@ -9,7 +9,7 @@
 
 enum { MAX_SIDE = 128, KERNEL = 1 };
 
-static const double photon_sky = 100.0; /* photons a pixel */
+static const double photon_sky = 100.0; /* photons per pixel */
 static const double psf_border = 0.01, psf_star_snr = 100.0, flat_noise = 0.3;
 static const double psf_cut_px = 11.0;
 
@@ -21,7 +21,7 @@ static const double psf_cut_px = 11.0;
 
 const flaw flaws[] = {
     {"reference", "white noise, nothing wrong", GROUND, .wish = WISH_QUIET, .aim_m = 3.0},
-    /* Above S/N 30 it changes less than is told. */
+    /* Above S/N 30 the effect is smaller than the threshold of the warning. */
     {"noise-excess", "noise variance 4 % above the noise stamps'", GROUND, .excess = 0.04,
      .wish = WISH_TOLD, .wish_snr = 30.0, .aim_m = 10.0},
     {"photons", "source photons on a sky of 100", GROUND, .noise = FLAW_PHOTONS, .aim_m = 5.0},
@@ -87,7 +87,7 @@ static void draw_sky(dice *d, int n, double *out) {
         out[i] = poisson(d, photon_sky) - photon_sky;
 }
 
-/* White noise through the kernel (1 2 1; 2 4 2; 1 2 1) / 6, of unit variance. */
+/* Draw white noise smoothed by the kernel (1 2 1; 2 4 2; 1 2 1) / 6, which has unit variance. */
 static void draw_correlated(dice *d, int side, double *out) {
     static const double weight[] = {1.0, 2.0, 1.0};
     double white[(MAX_SIDE + 2 * KERNEL) * (MAX_SIDE + 2 * KERNEL)];
@@ -139,7 +139,7 @@ bool flaw_spoils(const flaw *f, uint64_t seed, int64_t index) {
     }
 }
 
-/* A streak of one to three pixels along a row, somewhere. */
+/* Add a streak of one to three pixels along a row, at a random position. */
 static void add_cosmic(const flaw *f, dice *d, double *image) {
     const int length = 1 + (int)(3.0 * dice_uniform(d));
     const int x = (int)((f->side - length) * dice_uniform(d));
@@ -148,7 +148,7 @@ static void add_cosmic(const flaw *f, dice *d, double *image) {
         image[y * f->side + x + i] += 40.0;
 }
 
-/* A star of the PSF's size, ten thousand sigma bright, on a neighbour's place. */
+/* Add a star of the PSF's size and ten thousand sigma at a random position. */
 static void add_star(const flaw *f, dice *d, double *image) {
     const double width = 0.5 * f->psf.size;
     const double x0 = f->side * (0.35 + 0.3 * dice_uniform(d));
@@ -159,7 +159,7 @@ static void add_star(const flaw *f, dice *d, double *image) {
     }
 }
 
-/* What lies beyond a straight edge has no counts: minus the sky that was taken off. */
+/* Set the pixels beyond a straight edge to zero counts: minus the sky that was subtracted. */
 static void cut_chip(const flaw *f, double *image) {
     for (int i = 0; i < f->side * f->side; i++)
         image[i] = i % f->side > f->side / 2 + 8 ? -100.0 : image[i];
@@ -167,7 +167,7 @@ static void cut_chip(const flaw *f, double *image) {
 
 static void add_artefact(const flaw *f, uint64_t seed, int64_t index, double *image) {
     dice d = dice_begin(seed, DICE_ARTEFACT, index);
-    dice_uniform(&d); /* the one that chose it */
+    dice_uniform(&d); /* skip the number that selected the stamp */
     const int pixel = (int)(f->side * f->side * dice_uniform(&d));
     switch (f->artefact) {
     case FLAW_COSMICS:
@@ -192,8 +192,8 @@ static void add_artefact(const flaw *f, uint64_t seed, int64_t index, double *im
 
 /* ---- both stamps ---- */
 
-/* The sky's photons are those of any shear, and so, as nearly as can be, are the galaxy's: a
- * pixel's number belongs to the same place of its distribution. */
+/* Add photon noise. The sky's photons are the same at any shear. The galaxy's are too, as far as
+ * possible: a pixel's random number selects the same quantile of its distribution. */
 static void count_photons(const flaw *f, uint64_t seed, int64_t index, const double *sky,
                           double *galaxy) {
     dice d = dice_begin(seed, DICE_PHOTONS, index);

@@ -4,8 +4,8 @@
 #include <math.h>
 
 static const double bin_width = 0.02;
-static const double class_width = 0.2; /* of ln D */
-static const double fewest = 10.0;     /* counts in a bin that is used */
+static const double class_width = 0.2; /* width in ln D */
+static const double fewest = 10.0;     /* minimum number of counts in a bin that is used */
 
 static void count(double *bins, double size) {
     const double bin = size / bin_width;
@@ -23,8 +23,8 @@ void shape_counts_add(shape_counts *c, double d, double e1, double e2) {
     count(c->plane[k], hypot(e1, e2));
 }
 
-/* sum over bins of area (slope^2 - its noise) / density; areas [SHAPE_BINS]. The distribution is
- * even: before the first bin comes the first bin. */
+/* Return the sum over bins of area * (slope^2 - its noise) / density; areas [SHAPE_BINS]. The
+ * distribution is even, so the first bin is its own predecessor. */
 static double information(const double *counts, const double *areas) {
     double sum = 0.0;
     for (int i = 0; i + 1 < SHAPE_BINS; i++) {
@@ -40,7 +40,7 @@ static double information(const double *counts, const double *areas) {
     return sum;
 }
 
-/* 1/sqrt(part of the mean information of a galaxy). */
+/* Return 1/sqrt(part * the mean information of a galaxy). */
 static double bound(const double counts[SHAPE_CLASSES][SHAPE_BINS], const double *areas,
                     double part) {
     double total = 0.0;
@@ -60,11 +60,11 @@ double shape_bound_line(const shape_counts *c) {
     return bound(c->line, areas, 1.0);
 }
 
-/* One component has half of the gradient's square. */
+/* One component contributes half of the gradient's square. */
 double shape_bound_plane(const shape_counts *c) {
     double areas[SHAPE_BINS];
     for (int i = 0; i < SHAPE_BINS; i++) {
-        areas[i] = (2 * i + 1) * bin_width * bin_width; /* over pi */
+        areas[i] = (2 * i + 1) * bin_width * bin_width; /* divided by pi */
     }
     return bound(c->plane, areas, 0.5);
 }

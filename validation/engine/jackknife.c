@@ -81,8 +81,8 @@ jackknife_shear jackknife_shear_of(const jackknife_sums *s, int series, bool by_
 
 /* ---- functions of the totals ---- */
 
-/* The totals without group `left_out`, or all where it is -1. Added up afresh each time: what is
- * left of a difference of large sums would be too coarse where series nearly cancel. */
+/* Sum the groups except `left_out` (-1: all groups). Subtracting one group from the total would be
+ * inaccurate, because the sums of series nearly cancel. */
 static void sum_groups(const jackknife_sums *s, int left_out, jackknife_total *totals) {
     for (int series = 0; series < s->n_series; series++) {
         double x[SHEAR_N_COMPONENTS] = {0};
@@ -96,7 +96,7 @@ static void sum_groups(const jackknife_sums *s, int left_out, jackknife_total *t
     }
 }
 
-/* Of values [groups][n], each without one group. */
+/* Compute the covariance of values [groups][n], each of which leaves out one group. */
 static void covariance(int groups, int n, const double *values, double *mean, double *cov) {
     const double scale = (groups - 1.0) / groups;
     for (int i = 0; i < n; i++) {

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* jackknife.h: the sums of a sample's series, group by group, and what follows from them.
+/* jackknife.h: the sums of a sample's series by group, and their jackknife.
  *
- * Groups are disjoint sets of galaxies, the same for all series: leaving one out at a time gives
- * the covariance of anything that is computed from the totals (shears, differences between methods,
- * m and c over several shears), with all that the series have in common cancelled as it does in the
- * numbers themselves.
- */
+ * Groups are disjoint sets of galaxies, the same for all series. Leaving out one group at a time
+ * gives the covariance of any function of the totals (shears, differences between methods, m and c
+ * over several shears). Contributions that the series have in common cancel in it as they do in the
+ * function. */
 #ifndef VALIDATION_JACKKNIFE_H
 #define VALIDATION_JACKKNIFE_H
 
@@ -21,36 +20,37 @@ typedef struct jackknife_sums {
 
 jackknife_sums *jackknife_sums_new(int n_series, int groups);
 void jackknife_sums_free(jackknife_sums *s);
-/* Append the series of `more`, which has the same groups of the same galaxies (any, to none). */
+/* Append the series of `more`, which has the same groups and galaxies. *s may be empty. */
 void jackknife_sums_append(jackknife_sums *s, const jackknife_sums *more);
 shear_block_sums *jackknife_sums_at(const jackknife_sums *s, int series, int group);
 
-/* A group's sums as plain numbers, for the cache. */
+/* A group's sums as doubles, for the result cache. */
 enum { JACKKNIFE_PACKED = 2 + SHEAR_N_FLAGS + 2 * SHEAR_N_TERMS };
 void jackknife_pack(const shear_block_sums *sums, double *packed);
 void jackknife_unpack(const double *packed, shear_block_sums *sums);
 
-/* One series' shear and its error, by libshear's exact sums: errors of the delta method, or of the
- * jackknife over the groups (which knows of rotated copies). pull: (g - truth) / err. */
+/* The shear of one series and its error, from libshear's exact sums: by the delta method, or by the
+ * jackknife over groups (which includes the correlation of rotated copies). pull: (g - truth) /
+ * err. */
 typedef struct jackknife_shear {
     double g[2], err[2], pull[2];
 } jackknife_shear;
 jackknife_shear jackknife_shear_of(const jackknife_sums *s, int series, bool by_groups,
                                    const double truth[2]);
 
-/* What a function of the totals may use of each series. */
+/* The part of a series' sums that a function of the totals may use. */
 typedef struct jackknife_total {
-    double g[2]; /* sums of w N_i over that of w D, at the noise level */
+    double g[2]; /* sum of w N_i over sum of w D, with the noise level */
 } jackknife_total;
-/* totals [n_series]; fills out [n]. */
+/* Compute out [n] from totals [n_series]. */
 typedef void jackknife_function(const jackknife_total *totals, const void *context, double *out);
 
-/* value [n]: f of all groups; cov [n][n]: its jackknife covariance. Ends the program where there
- * are fewer than two groups. */
+/* Set value [n] to f of all groups, and cov [n][n] to its jackknife covariance. Ends the program if
+ * there are fewer than two groups. */
 void jackknife_covariance(const jackknife_sums *s, jackknife_function *f, const void *context,
                           int n, double *value, double *cov);
 
-/* Are the shears of so many series the true one, all together, with the covariance of them all? */
+/* Test whether the shears of n series are the true one, with the covariance of all of them. */
 chi_square jackknife_test(const jackknife_sums *s, int n, const int *series, const double truth[2]);
 
 #endif

@@ -11,21 +11,22 @@
 #include <string.h>
 
 static const double moffat_index = 3.5;
-/* The spikes: their light, length and breadth over the core's sigma, and the angle of the first. */
+/* The spikes' light, and their length and width relative to the core's sigma; the angle of the
+ * first. */
 static const double spike_part = 0.06, spike_length = 6.0, spike_breadth = 0.8, spike_angle = 0.35;
 static const double bulge_power = -0.4; /* -1 - nu */
 
 struct light {
     int side, period; /* px */
     int reach;        /* rows of modes: reach * period */
-    int columns;      /* modes 0 .. period / 2 of the folded image */
+    int columns;      /* modes 0 .. period / 2 of the aliased image */
     double *psf;      /* [reach period][reach][columns] transform of PSF and pixel */
     double *kx;       /* [reach][columns] */
     double *phase;    /* [reach][columns][2] */
     double *modes;    /* [period][columns][2] */
     double *line;     /* [2 period] */
     double *power;    /* [columns] */
-    double data[];    /* all of these */
+    double data[];    /* storage of all these */
 };
 
 /* ---- PSFs ---- */
@@ -57,7 +58,7 @@ static double sinc(double x) {
     return fabs(x) < 1e-9 ? 1.0 : sin(x) / x;
 }
 
-/* The transform of an image sheared by A is that of the round one at A^T k. */
+/* The transform of an image sheared by A is the transform of the round image at A^T k. */
 static double psf_at(const light_psf *p, double kx, double ky, double scale) {
     double det = sqrt(1.0 - p->e[0] * p->e[0] - p->e[1] * p->e[1]);
     double u = ((1.0 + p->e[0]) * kx + p->e[1] * ky) / det;
@@ -69,7 +70,7 @@ static double psf_at(const light_psf *p, double kx, double ky, double scale) {
 
 /* ---- modes ---- */
 
-/* ky of row r of reach * period rows. */
+/* Return ky of row r of reach * period rows. */
 static double row_k(const light *l, int r) {
     return 2.0 * M_PI * (r - l->reach * l->period / 2) / l->period;
 }
@@ -79,7 +80,8 @@ static int row_mode(const light *l, int r) {
     return m < 0 ? m + l->period : m;
 }
 
-/* Aliases -reach/2 .. reach/2 - 1 of the modes 0 .. period/2: with those at -k, all there are. */
+/* Compute kx of aliases -reach/2 .. reach/2 - 1 of modes 0 .. period/2. With those at -k these are
+ * all modes. */
 static void fill_columns(light *l) {
     for (int a = 0; a < l->reach; a++) {
         for (int m = 0; m < l->columns; m++) {
@@ -130,7 +132,7 @@ void light_free(light *l) {
 
 /* ---- drawing ---- */
 
-/* The round galaxy's transform, at the modes of one row and one alias. */
+/* Compute the transform of the round galaxy for one row of modes and one alias. */
 static void galaxy_row(const light *l, const light_galaxy *g, const double *kx, double ky,
                        const double *psf) {
     const double ax = g->map[0][0];
@@ -163,7 +165,7 @@ static void add_row(const light *l, const double *power, const double *phase, do
     }
 }
 
-/* The modes of a galaxy (NULL: a point) at pixel (x, y). */
+/* Compute the modes of a galaxy (NULL: a point) at pixel (x, y). */
 static void fill_modes(light *l, const light_galaxy *g, double x, double y) {
     int n = l->reach * l->columns;
     for (int m = 0; m < n; m++) {
@@ -182,7 +184,7 @@ static void fill_modes(light *l, const light_galaxy *g, double x, double y) {
     }
 }
 
-/* Along y: the stamp's rows replace the modes'. */
+/* Transform along y: the rows of the stamp replace those of the modes. */
 static void transform_columns(light *l) {
     size_t step = 2 * (size_t)l->columns;
     for (int m = 0; m < l->columns; m++) {

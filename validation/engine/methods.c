@@ -39,14 +39,14 @@ int good_side(double side) {
     return n;
 }
 
-/* On the axes of its spikes W_B falls as exp(-r^2 / 5), to 1e-10 of the peak at 10 R_PSF. */
+/* On the axes of its spikes W_B is proportional to exp(-r^2 / 5), 1e-10 of the peak at 10 R_PSF. */
 int stamp_side(double r_gal_px, double r_psf_px) {
     static const double reach = 10.0;
     return good_side(2.0 * (1.1 * r_gal_px + reach * r_psf_px + 1.0));
 }
 
-/* The smallest power of two with 1/s < R/4, the paper's rule, R the radius of the circle as large
- * as the PSF's contour at exp(-1/2), 0.8^(-1/4) R_PSF. */
+/* Return the smallest power of two s with 1/s < R/4, the paper's rule. R is the radius of a circle
+ * with the area of the PSF's contour at exp(-1/2), 0.8^(-1/4) R_PSF. */
 static int fine_factor(double r_psf_px) {
     static const double circular = 1.057;
     int s = 2;

@@ -11,7 +11,7 @@
 
 _Thread_local shear_error must_error;
 
-/* Of several threads that fail at once the first ends the program. */
+/* End the program. If several threads fail at once, the first one does it. */
 static _Noreturn void end(int code) {
     static atomic_flag ending = ATOMIC_FLAG_INIT;
     while (atomic_flag_test_and_set(&ending))

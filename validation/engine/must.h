@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* must.h: shear-paper ends at its first failure: what is finished is in the result cache, and a
- * second start continues there. */
+/* must.h: error handling of shear-paper, which ends at its first failure: finished chunks are in
+ * the result cache, and the next start continues from there. */
 #ifndef VALIDATION_MUST_H
 #define VALIDATION_MUST_H
 
@@ -10,18 +10,19 @@
 
 enum { EXIT_CODE_DONE = 0, EXIT_CODE_OTHER = 1, EXIT_CODE_USAGE = 2 };
 
-/* Where this thread's calls of the libraries leave what went wrong. */
+/* The error of this thread's calls of the libraries. */
 extern _Thread_local shear_error must_error;
 
-/* End the program with the message of must_error unless `code` is SHEAR_OK: exit code 2 for options
- * that are wrong (SHEAR_E_SETTING), else 1. Any thread may call it. */
+/* End the program with the message of must_error unless `code` is SHEAR_OK. The exit code is 2 for
+ * wrong options (SHEAR_E_SETTING), otherwise 1. Any thread may call this. */
 void must(int code);
 
-/* End the program with this message and advice (or NULL). */
+/* End the program with this message and advice (may be NULL). */
 _Noreturn void must_fail(int code, const char *advice, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Zeroed memory of n elements, at least one, for free(); the message says what it is for. */
+/* Return zeroed memory of n elements, at least one, to be freed by the caller. `what` is for the
+ * error message. */
 void *must_allocate(size_t n, size_t size, const char *what);
 
 #endif

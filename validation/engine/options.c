@@ -79,7 +79,7 @@ static const struct {
                {"quiet", SWITCH, offsetof(options, quiet), 0, false}};
 enum { N_COMMON = sizeof commons / sizeof commons[0] };
 
-/* A double first, so that 1e6 is a number of galaxies too. */
+/* Parse a double, so that 1e6 is a valid number of galaxies. */
 static int64_t parse_count(const char *name, const char *text, double max) {
     char *end = NULL;
     const double number = parse_number(name, text, &end, 1.0, max);
@@ -115,12 +115,12 @@ static void set_common(options *o, int i, const char *value) {
 
 /* ---- the table for getopt_long ---- */
 
-/* What an option's `val` tells: its kind, plus an index of the kind's own table. */
+/* The kinds of options: `val` is the kind plus an index into the kind's table. */
 enum kind { PARAMETER = 1000, COMMON = 2000, MOCK = 3000, SETTING = 4000, SETTING_OFF = 5000 };
 
 typedef struct option_table {
     int n;
-    struct option list[MAX_OPTIONS]; /* the first of a name is the one that is found */
+    struct option list[MAX_OPTIONS]; /* getopt_long finds the first option of a name */
     char names[MAX_OPTIONS][MAX_NAME];
 } option_table;
 
@@ -159,7 +159,7 @@ static void fill_table(option_table *t, const experiment *e) {
 
 /* ---- one option ---- */
 
-/* Is `name` among words with blanks between? */
+/* Return whether `name` is one of the words, which are separated by spaces. */
 static bool has_word(const char *words, const char *name) {
     const size_t length = strlen(name);
     for (const char *at = words; (at = strstr(at, name)) != NULL; at += length) {
@@ -170,7 +170,7 @@ static bool has_word(const char *words, const char *name) {
     return false;
 }
 
-/* Of all but parameters. */
+/* Set any option except parameters. */
 static void set_value(options *o, const struct option *option, const char *value) {
     const int kind = option->val / 1000 * 1000;
     const int i = option->val % 1000;
@@ -185,7 +185,7 @@ static void set_value(options *o, const struct option *option, const char *value
     }
 }
 
-/* A parameter may have the name of an option that the experiment otherwise chooses itself. */
+/* Set an option. A parameter may have the name of an option that the experiment sets itself. */
 static void set_option(options *o, const struct option *option, const char *value) {
     static const char never[] = "stamps field layout bitpix no-r-gal";
     const experiment *e = o->experiment;
@@ -207,7 +207,8 @@ static void append_word(options *o, const char *word) {
     text_append(o->command, sizeof o->command, "%s%s", o->command[0] != '\0' ? " " : "", word);
 }
 
-/* What the numbers do not depend on is left out: the table is the same wherever it was made. */
+/* Return whether the numbers depend on the option. Others are left out of the table, so that it
+ * does not depend on the machine. */
 static bool is_kept(const struct option *option) {
     const int i = option->val - COMMON;
     return i < 0 || i >= N_COMMON || commons[i].kept;
@@ -225,12 +226,12 @@ static _Noreturn void fail_at(const char *given, int value) {
               "unknown option '%.*s'", length, given);
 }
 
-/* The experiments repeat the paper. */
+/* Use the settings of the paper, which the experiments repeat. */
 static void paper_settings(shear_settings *s) {
     (void)shear_settings_set(s, "preset", "zhang2010", NULL);
 }
 
-/* The option of this name that is no parameter. */
+/* Return the option of this name that is not a parameter, or NULL. */
 static const struct option *find_option(const option_table *t, const char *name) {
     const struct option *option = t->list;
     while (option->val < COMMON || strcmp(option->name, name) != 0) {

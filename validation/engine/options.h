@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* options.h: what a command line asks of an experiment.
+/* options.h: the command line options of an experiment.
  *
  * Options are, in this order of precedence: the experiment's parameters, the common ones
  * (--galaxies, --groups, --threads, ...), the options of the mocks (as in `shearctl help mock`) and
- * the settings of the measurement (as in `shearctl help measure`). A setting that has the name of a
- * mock option is --measure-NAME.
- */
+ * the settings of the measurement (as in `shearctl help measure`). A setting with the name of a
+ * mock option is --measure-NAME. */
 #ifndef VALIDATION_OPTIONS_H
 #define VALIDATION_OPTIONS_H
 
@@ -26,32 +25,33 @@ typedef struct parameter_values {
 
 typedef struct options {
     const experiment *experiment;
-    shear_mock_spec mock;    /* seed, shear and all; n_stamps is not used */
+    shear_mock_spec mock;    /* includes seed and shear; n_stamps is not used */
     shear_settings settings; /* of the measurement */
-    int64_t galaxies;        /* stamps for each point; rotated copies count */
-    int groups;              /* of the jackknife, and pieces of work between two checkpoints */
-    int threads;             /* 0 = all cores */
-    char out[512];           /* folder of table, figure and cache */
-    bool fresh;              /* forget finished pieces */
-    bool quiet;              /* no progress */
-    char command[1024];      /* as it was typed, without what the numbers do not depend on */
+    int64_t galaxies;        /* stamps per point, including rotated copies */
+    int groups;              /* of the jackknife, which are also the chunks of the result cache */
+    int threads;             /* 0: all cores */
+    char out[512];           /* directory of table, figure and cache */
+    bool fresh;              /* discard finished chunks */
+    bool quiet;              /* no progress line */
+    char command[1024];      /* as typed, without options that the numbers do not depend on */
     parameter_values parameters[MAX_PARAMETERS];
 } options;
 
-/* argv[0] is the experiment's name. Ends the program where an option is wrong. */
+/* Parse the command line; argv[0] is the experiment's name. Ends the program if an option is wrong.
+ */
 void options_parse(options *o, const experiment *e, int argc, char **argv);
-/* The help text of one experiment. */
+/* Print the help of one experiment. */
 void options_help(const experiment *e, FILE *out);
 
-/* The values of a parameter; `name` is one of the experiment's. */
+/* Return the values of the experiment's parameter `name`. */
 const parameter_values *options_list(const options *o, const char *name);
 double options_number(const options *o, const char *name);
 
-/* Everything that the numbers depend on, as text: one "name value" a line; for free(). Threads,
- * folder and verbosity are not in it. */
+/* Return everything that the numbers depend on as text, one "name value" per line, to be freed by
+ * the caller. It does not contain threads, directory and verbosity. */
 char *options_describe(const options *o);
 
-/* OUT/NAME-suffix.ext, or OUT/NAME.ext where suffix is NULL. Returns path. */
+/* Write OUT/NAME-suffix.ext, or OUT/NAME.ext if suffix is NULL, into path. Returns path. */
 char *options_path(const options *o, const char *suffix, const char *ext, char path[OPTIONS_PATH]);
 
 #endif

@@ -6,7 +6,7 @@
 static const double smallest = 2.0, largest = 4.5; /* half-light radii, px */
 static const double scatter = 0.26, roundest_cut = 0.7;
 static const double most_bulge = 0.5, bulge_ratio = 0.6;
-/* Half-light radius over scale of Spergel profiles of index 0.5 (exponential) and -0.6. */
+/* half-light radius over scale of Spergel profiles of index 0.5 (exponential) and -0.6 */
 static const double half_light_disk = 1.67834, half_light_bulge = 0.54771;
 
 /* ---- dice ---- */
@@ -42,7 +42,8 @@ void dice_normal(dice *d, int n, double *out) {
 
 /* ---- galaxies ---- */
 
-/* Size and part of the bulge first, then the shape until it is round enough. */
+/* Traits of a galaxy: size and bulge fraction are drawn first, then shapes until one is round
+ * enough. */
 typedef struct traits {
     double radius, bulge, e[2];
 } traits;
@@ -74,7 +75,7 @@ light_galaxy population_bare(const population *p, int64_t stamp) {
         .map = {{(1.0 + t.e[0]) / det, t.e[1] / det}, {t.e[1] / det, (1.0 - t.e[0]) / det}}};
 }
 
-/* map = a map */
+/* Set map = a map. */
 static void multiply(const double a[2][2], double map[2][2]) {
     for (int j = 0; j < 2; j++) {
         double x = map[0][j];

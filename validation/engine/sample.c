@@ -5,11 +5,11 @@
 
 #include <stdlib.h>
 
-/* A run under way: the cache's chunks are the sample's groups. */
+/* A running measurement: the chunks of the cache are the groups of the sample. */
 typedef struct grouped {
     const sample *of;
-    sampler *sampler;     /* made when the first group is to be measured */
-    int64_t stamps, unit; /* in all; that stay together */
+    sampler *sampler;     /* created when the first group must be measured */
+    int64_t stamps, unit; /* total; number of rotated copies, which stay in one group */
     int threads, groups;
     shear_row *rows;
 } grouped;
@@ -23,7 +23,7 @@ static int64_t copies(const sample *of) {
     return most;
 }
 
-/* The first stamp of a group; groups end where the next begins. */
+/* Return the first stamp of a group, which is the end of the group before. */
 static int64_t begin_of(const grouped *g, int group) {
     const int64_t units = (g->stamps + g->unit - 1) / g->unit;
     const int64_t at = units * group / g->groups * g->unit;

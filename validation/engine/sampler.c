@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Drawing and measuring the stamps of a sample, tile by tile, on all threads. */
+/* Drawing and measuring the stamps of a sample in tiles, by all threads. */
 #include "engine/must.h"
 #include "engine/sample.h"
 
@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Stamps that a thread draws at a time: a multiple of 4, so that rotated copies stay together. */
+/* Stamps that a thread draws at once: a multiple of 4, so that rotated copies stay together. */
 enum { TILE = 8 };
 
-/* One thread's images and workspaces. */
+/* The images and workspaces of one thread. */
 typedef struct worker {
-    double *galaxy, *noise;           /* [TILE][ny][nx] of the scene at hand */
-    double *shared, *shared_n, *bare; /* the same: shared noise of both stamps; scratch */
+    double *galaxy, *noise;           /* [TILE][ny][nx] of the current scene */
+    double *shared, *shared_n, *bare; /* the same size: shared noise of both stamps; scratch */
     shear_workspace **workspaces;     /* [n_plans] */
 } worker;
 
@@ -23,11 +23,11 @@ struct sampler {
     sample of;
     int64_t stamps;
     shear_mock **mocks;                 /* [n_scenes] */
-    shear_mock *noise_mock, *bare_mock; /* the shared noise's, with and without it */
+    shear_mock *noise_mock, *bare_mock; /* with and without the shared noise */
     int n_plans;
     shear_plan **plans; /* [n_plans <= n_series] */
     int *plan_of;       /* [n_series] */
-    size_t pixels;      /* of a stamp, of the largest scene */
+    size_t pixels;      /* of a stamp of the largest scene */
     int n_workers;
     worker *workers;
 };
@@ -44,13 +44,13 @@ static void resolve_settings(shear_settings *s, const shear_mock_spec *m) {
     const bool paper = s->filter == SHEAR_FILTER_PAPER || s->filter == SHEAR_FILTER_AUTO ||
                        s->filter == SHEAR_FILTER_R_GAL;
     if (paper && isnan(s->core_px)) {
-        s->filter = SHEAR_FILTER_AUTO; /* which is what a core of one's own goes with */
+        s->filter = SHEAR_FILTER_AUTO; /* required for an explicit core */
         s->core_px = m->r_gal_px + 4.0 * s->beta_px;
         s->width_px = isnan(s->width_px) ? s->beta_px : s->width_px;
     }
 }
 
-/* What a series' plan is made from: a mock whose PSF image is sampled as the series wants it. */
+/* The input of a series' plan: a mock with the PSF sampling of the series. */
 typedef struct basis {
     shear_mock_spec mock;
     shear_settings settings;
@@ -65,7 +65,7 @@ static basis basis_of(const sampler *s, int i) {
     return b;
 }
 
-/* Members that a plan depends on. */
+/* Return whether all members on which a plan depends are equal. */
 static bool same_plan(const basis *a, const basis *b) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
@@ -95,7 +95,7 @@ shear_plan *sampler_plan(const shear_mock *mock, const shear_settings *settings)
     return plan;
 }
 
-/* The plan of an earlier series that has the same, or a new one. */
+/* Return the index of an equal plan of an earlier series, or of a new plan. */
 static int find_plan(sampler *s, int i) {
     const basis b = basis_of(s, i);
     for (int k = 0; k < i; k++) {
@@ -202,14 +202,14 @@ void sampler_inspect(sampler *s, int i_series, const shear_stamps *stamps, int i
 
 static void draw_shared(const sampler *s, worker *w, int64_t first, int count) {
     const size_t n = (size_t)count * pixels_of(s->of.noise);
-    /* The stamps without noise: the galaxies alone, and zeros that are not needed. */
+    /* The stamps without noise: the galaxies, and zeros that are not used. */
     must(shear_mock_stamps(s->bare_mock, first, count, 1, w->bare, w->shared_n, &must_error));
     must(shear_mock_stamps(s->noise_mock, first, count, 1, w->shared, w->shared_n, &must_error));
     for (size_t i = 0; i < n; i++)
         w->shared[i] -= w->bare[i];
 }
 
-/* Each stamp is a mock of its own. */
+/* Draw stamps each of which is a mock of its own. */
 static void draw_varied(const sampler *s, worker *w, const scene *c, int64_t first, int count) {
     for (int i = 0; i < count; i++) {
         const size_t at = (size_t)i * pixels_of(&c->spec);
@@ -244,7 +244,7 @@ typedef struct batch {
     shear_row *rows; /* [n_series][count] */
 } batch;
 
-/* What enters the sums becomes the mean of two measurements of the same stamp. */
+/* Set the numbers that enter the sums to the mean of two measurements of the same stamp. */
 static void average(shear_row *a, const shear_row *b) {
     a->n1 = 0.5 * (a->n1 + b->n1);
     a->n2 = 0.5 * (a->n2 + b->n2);
@@ -254,8 +254,8 @@ static void average(shear_row *a, const shear_row *b) {
     a->flags |= b->flags;
 }
 
-/* All series of the scene that the worker holds; `again`: rows become the mean of before and now.
- */
+/* Measure all series of the scene that the worker holds. `again`: rows become the mean of the
+ * previous and this measurement. */
 static void measure_scene(const sampler *s, worker *w, int i_scene, const batch *b, int from, int n,
                           bool again) {
     const shear_mock_spec *m = &s->of.scenes[i_scene].spec;
@@ -279,7 +279,7 @@ static void measure_scene(const sampler *s, worker *w, int i_scene, const batch 
     }
 }
 
-/* The galaxy with the other noise, and that noise with the galaxy's. */
+/* Exchange the noises: the galaxy gets the other noise, and the noise stamp the galaxy's. */
 static void exchange(worker *w, const scene *c, int n) {
     const size_t pixels = (size_t)n * pixels_of(&c->spec);
     for (size_t i = 0; i < pixels; i++) {

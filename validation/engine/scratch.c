@@ -14,7 +14,8 @@ enum { FOLDER = 480 };
 static char folder[FOLDER];
 static char path[FOLDER + 16];
 
-/* A file that could not be written to its end has left its beginning under another name. */
+/* Remove the files. If writing has failed, a partial file under another name remains in the
+ * directory. */
 static void clean_up(void) {
     DIR *d = opendir(folder);
     for (struct dirent *e = NULL; d != NULL && (e = readdir(d)) != NULL;)

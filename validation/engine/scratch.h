@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* scratch.h: the name of a file that is written and read again. */
+/* scratch.h: a temporary file. */
 #ifndef VALIDATION_SCRATCH_H
 #define VALIDATION_SCRATCH_H
 
-/* A file name in a new folder in $TMPDIR (else /tmp), the same at every call. File and folder are
- * removed when the program ends, also by must_fail. */
+/* Return a file name in a new directory in $TMPDIR (or /tmp), the same at every call. File and
+ * directory are removed when the program ends, also by must_fail. */
 const char *scratch_path(void);
 
 #endif

@@ -9,8 +9,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/* In the eigenvectors of the correlation matrix: T^2 is the sum of squares of the pulls along them,
- * over the eigenvalues. */
+/* Compute T^2 in the eigenvectors of the correlation matrix: the sum of the squared pulls along
+ * them, divided by the eigenvalues. */
 static chi_square hotelling(const gsl_matrix *vectors, const gsl_vector *values,
                             const gsl_vector *pull, int groups) {
     static const double floor_of_eigenvalues = 1e-10;
@@ -32,7 +32,7 @@ static chi_square hotelling(const gsl_matrix *vectors, const gsl_vector *values,
     return test;
 }
 
-/* GSL ends the program itself where memory is out. */
+/* GSL itself ends the program if out of memory. */
 chi_square chi_square_of_covariance(const double *d, const double *cov, int n, int groups) {
     const size_t size = (size_t)n;
     gsl_matrix *correlation = gsl_matrix_alloc(size, size);
@@ -89,8 +89,8 @@ spread spread_of(const double *v, size_t n) {
     return m;
 }
 
-/* Q_KS(lambda): the alternating series where it converges fast, its theta-function twin elsewhere.
- */
+/* Return Q_KS(lambda) by the alternating series if it converges fast, otherwise by its
+ * theta-function transform. */
 static double kolmogorov_q(double lambda) {
     double sum = 0.0;
     if (lambda < 1.18) {

@@ -38,29 +38,29 @@ trial trial_of_options(const options *o, int copies) {
                    .g = {o->mock.g1, o->mock.g2}};
 }
 
-/* A trial under way. */
+/* A running trial. */
 typedef struct running {
     const trial *of;
-    int groups; /* files at each sign */
+    int groups; /* files per sign of the shear */
     trial_stamps *stamps;
     trial_sums **sums;     /* [n_levels][n_ways] */
     shear_plan_info *plan; /* the same */
     trial_outcome *out;    /* the same */
 } running;
 
-/* Small files (flaw.stamps) are fields of their own. */
+/* Return the number of groups. Small files (flaw.stamps) are fields of their own. */
 static int groups_of(const trial *t) {
     return t->flaw->stamps > 0 ? (int)(t->stamps / t->flaw->stamps) : t->groups;
 }
 
-/* The first stamp of a group; whole galaxies stay together. */
+/* Return the first stamp of a group; rotated copies stay together. */
 static int64_t begin_of(const trial *t, int group) {
     if (t->flaw->stamps > 0)
         return (int64_t)group * t->flaw->stamps;
     return t->stamps / t->copies * group / t->groups * t->copies;
 }
 
-/* ---- what was told ---- */
+/* ---- reports ---- */
 
 static void tell(trial_outcome *out, enum trial_told told) {
     out->told = fmax(out->told, told);
@@ -86,7 +86,7 @@ static bool is_refusal(int code) {
            code == SHEAR_E_FORMAT;
 }
 
-/* One file by one way. Of small files each is told about. */
+/* Measure one file in one way. A small file is a field of its own, so its report counts, too. */
 static void measure(running *s, int i, int sign, int group) {
     const flaw *f = s->of->flaw;
     const int at = sign * s->groups + group;
@@ -133,7 +133,7 @@ static void do_group(running *s, int group) {
         s->out[i].spoilt += spoilt;
 }
 
-/* ---- the whole ---- */
+/* ---- the trial ---- */
 
 static void conclude(const running *s, int i) {
     trial_outcome *out = &s->out[i];

@@ -14,8 +14,8 @@
 
 enum {
     PSF_SIDE = 64,
-    PSF_FINE_SIDE = 256, /* samples, where there are several in a pixel */
-    PSF_NUMBERS = 64     /* PSFs of a file that tells them apart */
+    PSF_FINE_SIDE = 256, /* samples, if there are several per pixel */
+    PSF_NUMBERS = 64     /* PSFs of a file with PSF_ID */
 };
 
 struct trial_stamps {
@@ -25,9 +25,9 @@ struct trial_stamps {
     light **lights; /* [threads] */
     int64_t first;
     int count, capacity;
-    double *bare[2];              /* [capacity][pixels] noise-free, +g and -g, of unit square sum */
-    double *noise[2];             /* the same: unit noise of the galaxy and of the noise stamp */
-    double *stamps[2];            /* the same: what is written */
+    double *bare[2];   /* [capacity][pixels] noise-free, +g and -g, sum of squares 1 */
+    double *noise[2];  /* the same size: unit noise of the galaxy and of the noise stamp */
+    double *stamps[2]; /* the same size: the stamps of the file */
     double *weight, *r_gal, *psf; /* [capacity], [capacity], one image */
     int32_t *psf_id;              /* [capacity] */
     int psf_side;
@@ -52,7 +52,7 @@ static void draw_psf(trial_stamps *s) {
     light_draw_psf(l, s->psf);
     light_free(l);
     for (size_t i = 0; i < n; i++) {
-        s->psf[i] = fmax(s->psf[i], 0.0); /* the transform's rounding */
+        s->psf[i] = fmax(s->psf[i], 0.0); /* rounding errors of the transform */
     }
 }
 
@@ -104,7 +104,8 @@ static double norm_of(const double *image, size_t n) {
     return sqrt(square);
 }
 
-/* The flux that makes the square sum of the unsheared galaxy 1; copies have the same. */
+/* Return the flux for which the sum of squares of the unsheared galaxy is 1; copies have the same.
+ */
 static double unit_flux(const trial_stamps *s, light *l, const population *p, int64_t stamp,
                         double *scratch) {
     const light_galaxy bare = population_bare(p, stamp);
@@ -112,7 +113,7 @@ static double unit_flux(const trial_stamps *s, light *l, const population *p, in
     return 1.0 / norm_of(scratch, s->pixels);
 }
 
-/* All copies of one galaxy, at both signs. */
+/* Draw all copies of one galaxy, at both signs of the shear. */
 static void draw_galaxy(trial_stamps *s, light *l, int at, int copies) {
     const trial *t = s->of;
     population p = {.seed = t->seed, .bulges = t->flaw->bulges, .copies = t->copies};

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* m along the shear, m by component, c by component, g(+) and g(-). */
+/* m along the shear, m and c by component, g(+) and g(-) */
 enum { N_VALUES = 9, FIELDS = 16 };
 
 trial_sums *trial_sums_new(int groups, enum shear_estimator estimator) {
@@ -34,7 +34,7 @@ void trial_sums_free(trial_sums *s) {
     free(s);
 }
 
-/* The groups [from, to), or all but them. */
+/* The groups [from, to), or all others. */
 typedef struct part {
     int from, to;
     bool without;
@@ -92,9 +92,10 @@ static void values_of(const trial_sums *s, const trial *t, part p, double v[N_VA
     combine(t->g, &plus, &minus, v);
 }
 
-/* How many pieces there are, and what makes an error of their scatter. The mean: a jackknife of the
- * groups. The symmetry: independent fields, for its answer moves in small steps, and a jackknife
- * would take these for the root of the groups' number times as much as they are. */
+/* Return the number of pieces, and set the factor that converts their scatter to an error. For the
+ * mean this is a jackknife over the groups. For the symmetric estimators the pieces are independent
+ * fields: their result changes in small steps, which a jackknife would multiply by the square root
+ * of the number of groups. */
 static int pieces_of(const trial_sums *s, double *factor) {
     const int fields = s->groups < FIELDS ? s->groups : FIELDS;
     const int n = s->terms[0] != NULL ? fields : s->groups;
@@ -106,7 +107,7 @@ static part piece(const trial_sums *s, int n, int i) {
     return (part){s->groups * i / n, s->groups * (i + 1) / n, s->terms[0] == NULL};
 }
 
-/* The error of value number `which` by the scatter of v [n][N_VALUES]. */
+/* Return the error of value number `which` from the scatter of v [n][N_VALUES]. */
 static double error_of(const double *v, int n, int which, double factor) {
     double mean = 0.0;
     double sum = 0.0;
@@ -127,7 +128,7 @@ static void fill_errors(const double *v, int n, double factor, int64_t stamps, t
     for (int i = 5; i < N_VALUES; i++)
         square += 0.25 * pow(error_of(v, n, i, factor), 2.0);
     out->error = sqrt(square * (double)stamps);
-    /* Two components; the two signs hardly differ. */
+    /* two components; the two signs are almost the same */
     out->error_err = out->error / sqrt(4.0 * (n - 1.0));
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Beyond the paper: m and c from very many galaxies, and the terms beyond the first order. */
+/* Experiment `bias` (beyond the paper): m and c from very many galaxies, and terms of higher order.
+ */
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/bias_report.h"
@@ -29,7 +30,8 @@ typedef struct bias_cases {
     bias_case of[MAX_CASES];
 } bias_cases;
 
-/* Logarithms and white noise do not go together: some pixels are negative. */
+/* Return whether the case is possible: logarithms and white noise are not, because pixels are
+ * negative. */
 static bool is_sound(const bias_case *b) {
     return !(b->interpolated && b->noise == WHITE) &&
            !(b->large && (b->interpolated || b->noise != CLEAN));
@@ -61,7 +63,8 @@ static int n_ways(const bias_case *b) {
     return b->interpolated ? 2 : 1;
 }
 
-/* Interpolation costs much, and the point sources of W_B with their long spikes do too. */
+/* Return the number of stamps: fewer with interpolation, and with the point sources of W_B, which
+ * are slow. */
 static int64_t stamps_of(const options *o, const bias_case *b) {
     const bool slow =
         b->interpolated || b->large || (b->noise == SOURCES && b->psf == SHEAR_MOCK_PSF_B);
@@ -69,8 +72,8 @@ static int64_t stamps_of(const options *o, const bias_case *b) {
     return (int64_t)ceil(n / o->mock.rotate) * o->mock.rotate;
 }
 
-/* +g and -g along g1, then along g2, of each size; then no shear. Without interpolation there is a
- * series for each shear, else two. */
+/* Return the shears: +g and -g along g1, then along g2, of each size; then no shear. Without
+ * interpolation there is one series per shear, otherwise two. */
 static shear_set shears_of(const options *o, const bias_case *b, int way) {
     const parameter_values *large = options_list(o, "large");
     shear_set set = {.n = b->large ? 4 * large->n : 5};
@@ -113,7 +116,7 @@ static shear_mock_spec spec_of(const options *o, const bias_case *b) {
     return m;
 }
 
-/* Without interpolation the noise is drawn once for all shears. */
+/* Measure a case. Without interpolation the noise is drawn once for all shears. */
 static jackknife_sums *measure(const options *o, cache *c, const bias_case *b) {
     const shear_set set = shears_of(o, b, 0);
     const bool shares = b->noise == SOURCES && !b->interpolated;
@@ -144,8 +147,8 @@ static jackknife_sums *measure(const options *o, cache *c, const bias_case *b) {
                                     .noise = shares ? &noise : NULL, .exchange = true});
 }
 
-/* Half the difference between +g and -g, over g: what is odd in the shear. Both axes are averaged.
- */
+/* Compute half the difference between +g and -g, over g: the odd part in the shear, averaged over
+ * both axes. */
 static void relative(const jackknife_total *totals, const void *context, double *out) {
     const shear_set *set = context;
     for (int k = 0; k < set->n / 4; k++) {

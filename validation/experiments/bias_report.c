@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* What the project promises, for shears up to 0.02. */
+/* the project's goal for shears up to 0.02 */
 static const double m_goal = 1e-3;
 static const double c_goal = 1e-5;
 
@@ -55,7 +55,8 @@ static void add_row(table *t, const line *l) {
     table_numbers(t, worst_pull(b), NAN, NAN);
 }
 
-/* Of m or of c: components, those below the goal, those whose error is, and the largest. */
+/* For m or c: the number of components, of those below the goal, of those whose error is below it,
+ * and the largest one. */
 typedef struct score {
     int n, good, sure;
     double worst;
@@ -106,7 +107,7 @@ static void tabulate(table *t, const lines *all) {
 
 /* ---- figure ---- */
 
-/* The lines of small shears as points, one above the other, at the left with their names. */
+/* The rows of small shears as points, one above the other, with their names on the left. */
 typedef struct points {
     int n;
     char text[MAX_LINES][64];
@@ -137,7 +138,7 @@ static shear_range range_of(const points *p, double goal) {
     return shear_range_pad(range, 0.05);
 }
 
-/* The goal is a band. */
+/* Draw m or c; the goal is a band. */
 static void draw_bias(shear_figure *f, shear_rect cell, const lines *all, bool of_c) {
     static points p;
     const double goal = of_c ? c_goal : m_goal;

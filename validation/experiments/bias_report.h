@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bias_report.h: what the experiment `bias` measured; its table and figure. */
+/* bias_report.h: the results of the experiment `bias`; their table and figure. */
 #ifndef VALIDATION_BIAS_REPORT_H
 #define VALIDATION_BIAS_REPORT_H
 
@@ -15,16 +15,16 @@ typedef struct bias_case {
     enum shear_mock_psf psf;
     enum bias_noise noise;
     bool interpolated; /* by Log-Bicubic and Log-Spline */
-    bool large;        /* of the shears that test the higher orders */
+    bool large;        /* the shears for the test of higher orders */
 } bias_case;
 
-/* A line of the table. */
+/* A row of the table. */
 typedef struct line {
     bias_case of;
     int way; /* 0: none, 1: Log-Bicubic, 2: Log-Spline */
     double n;
     bias_fit bias;
-    bias_cubic cubic; /* of large shears */
+    bias_cubic cubic; /* from large shears */
 } line;
 
 typedef struct lines {
@@ -35,7 +35,7 @@ typedef struct lines {
     char large_label[MAX_LARGE][64];
 } lines;
 
-/* In words. */
+/* Names. */
 extern const char *const bias_kinds[]; /* enum shear_mock_galaxy */
 extern const char *const bias_psfs[];  /* enum shear_mock_psf */
 extern const char *const bias_noises[];

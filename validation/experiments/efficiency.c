@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Beyond the paper: the ratio of means against PDF symmetrization: errors against the Cramer-Rao
- * bound, and bias at low signal-to-noise. */
+/* Experiment `efficiency` (beyond the paper): the ratio of means and PDF symmetrization. Their
+ * errors are compared with the Cramer-Rao bound, and their bias is measured at low signal-to-noise.
+ */
 #include "engine/must.h"
 #include "experiments/efficiency_fields.h"
 #include "experiments/list.h"
@@ -41,8 +42,8 @@ enum { N_PANELS = 3 }; /* errors without and with noise, bias */
 typedef struct summary {
     curve curves[N_PANELS][N_ESTIMATORS];
     double line, plane; /* bounds */
-    double worst;       /* largest error of pdf-sym over the mean's */
-    double broad;       /* over the bound, noise-free, at the broadest */
+    double worst;       /* largest error of pdf-sym over that of the mean */
+    double broad;       /* error over the bound, without noise, for the broadest range */
 } summary;
 
 static void add_row(table *t, const brightness_cases *cases, int c, int estimator,

@@ -35,16 +35,16 @@ static brightness_cases list_cases(const options *o) {
 
 /* ---- drawing and estimating ---- */
 
-/* Fields being measured. */
+/* A running measurement of fields. */
 typedef struct measuring {
     const efficiency_fields *of;
-    brightness_stamps *stamps[2]; /* at the shear, and at its opposite */
+    brightness_stamps *stamps[2]; /* at the shear, and at the opposite shear */
     double beta_px;
     double typical_d; /* of a galaxy of flux 1 without noise */
     shear_row *rows;  /* [cases.n][count] */
 } measuring;
 
-/* The median D of the first galaxies. */
+/* Return the median D of the first galaxies. */
 static double find_typical_d(brightness_stamps *s) {
     enum { N = 64 };
     shear_row rows[N];
@@ -65,7 +65,8 @@ static void prepare(measuring *m) {
     const options *o = f->options;
     const size_t n = (size_t)f->cases.n * (size_t)f->count;
     shear_settings settings = o->settings;
-    settings.estimator = SHEAR_ESTIMATOR_PDF_SYM_CROSS; /* its rows have all that the others need */
+    settings.estimator =
+        SHEAR_ESTIMATOR_PDF_SYM_CROSS; /* its rows contain all that the other estimators need */
     for (int k = 0; k < 2; k++) {
         shear_mock_spec mock = o->mock;
         mock.n_stamps = (int64_t)f->count * o->groups;
@@ -84,7 +85,7 @@ static shear_row without_cross(const shear_row *row) {
     return plain;
 }
 
-/* One field's shear by one estimator. */
+/* Estimate the shear of one field by one estimator. */
 static void estimate(const shear_row *rows, int count, double beta_px, int estimator,
                      double out[EFFICIENCY_PER_ESTIMATE]) {
     shear_field_sums *sums = NULL;
@@ -111,13 +112,13 @@ static void estimate(const shear_row *rows, int count, double beta_px, int estim
     shear_field_sums_free(sums);
 }
 
-/* Where in a field's values an estimate stands. */
+/* Return the index of an estimate in a field's values. */
 static size_t place(int i_case, int estimator, int sign) {
     const int estimate = i_case * 2 * N_ESTIMATORS + estimator * 2 + sign;
     return (size_t)estimate * EFFICIENCY_PER_ESTIMATE;
 }
 
-/* Shapes of the galaxies without noise, the shear taken off. */
+/* Count the shapes of the galaxies without noise, with the shear subtracted. */
 static void count_shapes(const measuring *m, int64_t first, double *values) {
     const efficiency_fields *f = m->of;
     const double beta2 = m->beta_px * m->beta_px;
@@ -182,7 +183,7 @@ void efficiency_fields_deinit(efficiency_fields *f) {
     free(f->values);
 }
 
-/* ---- what comes out ---- */
+/* ---- results ---- */
 
 efficiency_outcome efficiency_fields_outcome(const efficiency_fields *f, int i_case,
                                              int estimator) {

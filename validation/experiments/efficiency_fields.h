@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* efficiency_fields.h: the fields of the experiment `efficiency`: galaxies at many brightnesses, in
- * many fields, each field's shear by every estimator.
+/* efficiency_fields.h: the fields of the experiment `efficiency`: galaxies of many fluxes, in many
+ * fields, with the shear of each field by every estimator.
  *
- * A field yields a row of numbers for the cache, EFFICIENCY_PER_CASE for each case, then the counts
- * of shapes (information.h).
- */
+ * A field's result is a row of numbers for the cache: EFFICIENCY_PER_CASE for each case, then the
+ * counts of shapes (information.h). */
 #ifndef VALIDATION_EFFICIENCY_FIELDS_H
 #define VALIDATION_EFFICIENCY_FIELDS_H
 
@@ -13,7 +12,7 @@
 #include "engine/information.h"
 #include "engine/statistics.h"
 
-/* Estimators. */
+/* The estimators. */
 enum {
     MEAN = SHEAR_ESTIMATOR_MEAN,
     SYMMETRY = SHEAR_ESTIMATOR_PDF_SYM,
@@ -27,37 +26,38 @@ enum {
     EFFICIENCY_PER_CASE = N_ESTIMATORS * 2 * EFFICIENCY_PER_ESTIMATE
 };
 
-/* Two for each range (without and with noise), then one for each signal-to-noise of the bias. */
+/* Two cases per range of fluxes (without and with noise), then one per signal-to-noise of the bias.
+ */
 typedef struct brightness_cases {
     int n, n_ranges;
     brightness c[MAX_CASES];
-    double snr[MAX_CASES]; /* NaN = no noise */
+    double snr[MAX_CASES]; /* NaN: no noise */
 } brightness_cases;
 
 typedef struct efficiency_fields {
     const options *options;
     brightness_cases cases;
-    int count;      /* galaxies of a field */
+    int count;      /* galaxies per field */
     double *values; /* [options->groups][efficiency_fields_values] */
 } efficiency_fields;
 
-/* How many galaxies a field has; ends the program where they are too few. */
+/* Return how many galaxies a field has. Ends the program if they are too few. */
 int efficiency_fields_count(const options *o);
-/* Measure all, through the cache. */
+/* Measure all fields, through the cache. */
 void efficiency_fields_init(efficiency_fields *f, const options *o, cache *c);
 void efficiency_fields_deinit(efficiency_fields *f);
 
-/* What a case came to, by one estimator. */
+/* The result of a case by one estimator. */
 typedef struct efficiency_outcome {
     spread error;  /* of (g - truth) sqrt(n), both components and signs */
     double quoted; /* mean quoted error times sqrt(n) */
     double pull_width;
-    spread m;   /* of the fields; of both components */
+    spread m;   /* of the fields, for both components */
     int failed; /* fields without a shear */
 } efficiency_outcome;
 efficiency_outcome efficiency_fields_outcome(const efficiency_fields *f, int i_case, int estimator);
 
-/* The galaxies' shapes, of all fields. */
+/* Return the counts of the shapes of all fields' galaxies. */
 shape_counts efficiency_fields_shapes(const efficiency_fields *f);
 
 #endif

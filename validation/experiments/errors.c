@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Beyond the paper: are the quoted errors honest? Pulls of many fields, by the delta method and by
- * the jackknife, for fields of several lengths. */
+/* Experiment `errors` (beyond the paper): whether the quoted errors are correct. Pulls of many
+ * fields of several lengths, by the delta method and by the jackknife. */
 #include "engine/must.h"
 #include "engine/sample.h"
 #include "experiments/list.h"
@@ -20,8 +20,7 @@ static const parameter parameters[] = {
 
 static const char *const ways[N_WAYS] = {"delta", "jackknife"};
 
-/* ---- fields: a chunk is as long as the longest field, and is cut into those of each length ----
- */
+/* ---- fields: a chunk is one field of the longest length, or several shorter ones ---- */
 
 static int length_of(const options *o, int k) {
     return (int)options_list(o, "lengths")->v[k];
@@ -39,7 +38,7 @@ static int fields_of_chunk(const options *o, int k) {
     return chunk_length(o) / length_of(o, k);
 }
 
-/* Of the first n lengths. */
+/* Return the number of values for the first n lengths. */
 static int values_of_chunk(const options *o, int n) {
     int fields = 0;
     for (int k = 0; k < n; k++)
@@ -47,7 +46,7 @@ static int values_of_chunk(const options *o, int n) {
     return fields * PER_FIELD;
 }
 
-/* A field has at most as many groups as blocks. */
+/* Return the number of jackknife groups, at most the number of blocks. */
 static int jackknife_groups(const options *o, int length) {
     const int blocks = (length + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
     return (int)fmin(options_number(o, "jackknife"), blocks);
@@ -69,7 +68,7 @@ static int64_t stamps(const options *o) {
     return (int64_t)chunks_of(o) * chunk_length(o);
 }
 
-/* One field: g1, g2, errors of the delta method, errors of the jackknife. */
+/* Measure one field: g1, g2, errors of the delta method, errors of the jackknife. */
 static void measure_field(const shear_row *rows, int n, int groups, double out[PER_FIELD]) {
     shear_field_sums *sums = NULL;
     shear_jackknife *jack = NULL;
@@ -114,7 +113,7 @@ static void measure_chunk(void *context, int chunk, double *values) {
     }
 }
 
-/* [chunks][values_of_chunk] */
+/* Return values [chunks][values_of_chunk]. */
 static double *measure(const options *o, cache *c) {
     const scene only = {.spec = o->mock};
     const series one = {.settings = o->settings};
@@ -133,8 +132,8 @@ static double *measure(const options *o, cache *c) {
 
 /* ---- pulls ---- */
 
-/* Pulls of all fields of one length, both components: pulls [2 chunks fields_of_chunk]; returns how
- * many. */
+/* Collect the pulls of all fields of one length, for both components: pulls [2 chunks
+ * fields_of_chunk]. Returns their number. */
 static size_t collect(const options *o, const double *values, int k, int way, double *pulls) {
     const int of_chunk = values_of_chunk(o, options_list(o, "lengths")->n);
     size_t n = 0;
@@ -151,7 +150,7 @@ static size_t collect(const options *o, const double *values, int k, int way, do
 typedef struct outcome {
     curve width[N_WAYS];
     double counts[N_WAYS][BINS];
-    double from[N_WAYS]; /* galaxies; NaN: none */
+    double from[N_WAYS]; /* in galaxies; NaN: none */
     size_t pictured;     /* pulls in the histogram */
 } outcome;
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Section 4.3, first figure: one pixelated image, the truth, and its six interpolations. */
+/* Experiment `images` (section 4.3, first figure): a pixelated image, the truth, and its six
+ * interpolations. */
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/list.h"
@@ -16,7 +17,7 @@ static int64_t stamps(const options *o) {
 
 typedef struct image {
     int nx, ny;
-    double *pixels; /* [ny][nx], owned; of a drawn one, its noise stamp stands behind it */
+    double *pixels; /* [ny][nx], owned; in a drawn image the noise stamp follows */
 } image;
 
 static image draw_mock(const shear_mock_spec *spec) {
@@ -31,7 +32,7 @@ static image draw_mock(const shear_mock_spec *spec) {
     return im;
 }
 
-/* The same galaxy on the fine grid itself, whose pixel k is at k / s pixels. */
+/* Draw the same galaxy on the fine grid, whose pixel k is at k / s pixels. */
 static image draw_truth(const options *o) {
     shear_mock_spec m = o->mock;
     const int s = o->settings.oversample;
@@ -79,7 +80,7 @@ static const column columns[] = {
     {"negative", TABLE_NUMBER, 4, .help = "part of the fine pixels that are negative"},
     {0}};
 
-/* Returns the root mean square error. */
+/* Add a row. Returns the root mean square error. */
 static double add_row(table *t, const char *label, const image *truth, const image *fine) {
     const size_t n = (size_t)truth->nx * (size_t)truth->ny;
     const double peak = peak_of(truth);
@@ -120,7 +121,8 @@ static void show(shear_figure *f, shear_rect cell, const char *title, const imag
     shear_axes_end(f);
 }
 
-/* As in the paper: pixels and truth above, then the three methods, then their logarithmic twins. */
+/* Draw as in the paper: pixels and truth in the first row, then the three methods, then the same
+ * with logarithms. */
 static void draw(run *r, const image *coarse, const image *truth, const image *fine) {
     enum { WIDTH = 700, ROW = 250 };
     const shear_grid grid = {{6, 6, WIDTH - 12, 3 * ROW - 12}, 3, 6, .gap_x = 3, .gap_y = 4};

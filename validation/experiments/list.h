@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* list.h: all experiments. */
+/* list.h: declarations of all experiments. */
 #ifndef VALIDATION_LIST_H
 #define VALIDATION_LIST_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Beyond the paper: under-sampled data, and why they need no logarithm. */
+/* Experiment `narrow` (beyond the paper): under-sampled data, which need no logarithm. */
 #include "engine/aliases.h"
 #include "engine/bias_fit.h"
 #include "engine/methods.h"
@@ -14,7 +14,7 @@ enum { SIGNS = 2, N_WAYS = 2, N_DISKS = 4, POWERS = 480, POWER_GALAXIES = 32, PO
 
 static const char *const ways[N_WAYS] = {"defaults", "zhang2010"};
 static const double disks_px[N_DISKS] = {0.0, 0.5, 1.0, 2.0}; /* half-light radii; 0: a point */
-static const double power_step = 0.05;                        /* of k, per px */
+static const double power_step = 0.05;                        /* step of k, per px */
 
 static const parameter parameters[] = {
     {"radii", "0.3,0.35,0.4,0.45,0.5,0.6,0.7,0.8,0.9,1,1.2", 0.2, 4, true, "R_PSF, pixels"}, {0}};
@@ -26,19 +26,20 @@ static int64_t stamps(const options *o) {
 typedef struct point {
     double r_psf_px, beta_px[N_WAYS];
     bias_fit bias[N_WAYS];
-    /* The aliases' share under the first way's target: of the mocks' galaxies, of disks. */
+    /* The power fraction of the aliases for the target of the first way: of the mocks' galaxies,
+     * and of disks. */
     double own, disk[N_DISKS];
 } point;
 
 typedef struct points {
-    double limit_px; /* R_PSF at which the aliases of the smallest disks are 10^-3 */
+    double limit_px; /* R_PSF for which the fraction of the smallest disks is 10^-3 */
     int n;
     point of[MAX_VALUES];
 } points;
 
 /* ---- the aliases ---- */
 
-/* |f|^2 of the mocks' own galaxies, averaged over directions and some of them, in steps of k. */
+/* |f|^2 of the mocks' galaxies, averaged over directions and several galaxies, in steps of k. */
 typedef struct powers {
     double v[POWERS];
 } powers;
@@ -85,7 +86,7 @@ static powers find_powers(const options *o) {
     return p;
 }
 
-/* W_A is longer along y, Zhang (2010), eq. (9). */
+/* Return the fraction A. W_A of eq. (9) of Zhang (2010) is longer along y. */
 static double share_at(double r_psf_px, double beta_px, power_function *power,
                        const void *context) {
     const double sigma_px[] = {r_psf_px, r_psf_px / sqrt(0.8)};
@@ -117,7 +118,7 @@ static shear_settings settings_of(const options *o, int way, double r_psf_px) {
     return s;
 }
 
-/* Series: way + N_WAYS * sign. */
+/* Measure. The series are way + N_WAYS * sign. */
 static void measure(const options *o, cache *c, point *p) {
     scene scenes[SIGNS];
     series all[SIGNS * N_WAYS];

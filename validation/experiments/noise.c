@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Section 4.2 of the paper: astronomical noise of growing brightness, with and without its
- * correction, and four sample images. */
+/* Experiment `noise` (section 4.2): astronomical noise of increasing brightness, with and without
+ * its correction, and four sample images. */
 #include "engine/must.h"
 #include "engine/sample.h"
 #include "experiments/list.h"
@@ -18,7 +18,7 @@ static int64_t stamps(const options *o) {
     return o->galaxies * options_list(o, "ratios")->n;
 }
 
-/* Series 2 i and 2 i + 1 are ratio i with and without the correction. */
+/* Measure. Series 2 i and 2 i + 1 are ratio i with and without the correction. */
 static jackknife_sums *measure(const options *o, cache *c) {
     const parameter_values *ratios = options_list(o, "ratios");
     scene scenes[MAX_VALUES];
@@ -44,7 +44,8 @@ static const column components[] = {
     {"pull#", TABLE_NUMBER, 2, .help = "(measured - true) / error"},
     {0}};
 
-/* The points share galaxies and noise, so that only their whole covariance can judge them. */
+/* Add the conclusions. The points share galaxies and noise, so the test uses their whole
+ * covariance. */
 static void conclude(table *t, const jackknife_sums *sums, double worst, double last_ratio,
                      double left, const double truth[2]) {
     char text[96];
@@ -63,7 +64,7 @@ static void conclude(table *t, const jackknife_sums *sums, double worst, double 
                    worst, chi_square_text(&test, text, sizeof text), last_ratio, left);
 }
 
-/* curves [component][corrected, not] */
+/* Fill the table and curves [component][corrected, not]. */
 static void tabulate(run *r, const jackknife_sums *sums, curve curves[2][2]) {
     const options *o = r->options;
     const parameter_values *ratios = options_list(o, "ratios");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Section 4.4: noise and pixels at once; both kinds of galaxies under both PSFs, four sizes. */
+/* Experiment `overall` (section 4.4): noise and pixels together; both kinds of galaxies with both
+ * PSFs, in four sizes. */
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/list.h"
@@ -35,7 +36,7 @@ static const struct {
     {"Irregular, W_{A}", "irregular", "A", SHEAR_MOCK_IRREGULAR, SHEAR_MOCK_PSF_A},
     {"Irregular, W_{B}", "irregular", "B", SHEAR_MOCK_IRREGULAR, SHEAR_MOCK_PSF_B}};
 
-/* Log-Bicubic and Log-Spline. */
+/* Return the index of Log-Bicubic or Log-Spline. */
 static int method_of(int i) {
     return N_METHODS - N_BEST + i;
 }
@@ -72,12 +73,12 @@ static const column components[] = {
 
 typedef struct outcome {
     curve curves[N_PANELS][2][N_BEST]; /* [panel][component][method] */
-    /* Shears at sizes from 5 on, those within 3 errors, and the largest pull. */
+    /* number of shears at sizes from 5 on, those within 3 errors, and the largest pull */
     int large[N_BEST], large_good[N_BEST];
     double worst[N_BEST];
 } outcome;
 
-static const double large = 5.0; /* R_G over R_PSF from which on the paper's claim is tested */
+static const double large = 5.0; /* R_G over R_PSF from which the paper's claim is tested */
 
 static void add_row(run *r, int panel, double size, int i, const jackknife_shear *s, outcome *out) {
     const method *m = &methods[method_of(i)];
@@ -99,7 +100,7 @@ static void add_row(run *r, int panel, double size, int i, const jackknife_shear
     }
 }
 
-/* The sums of all panels and sizes, in order. */
+/* Fill the table. Returns the sums of all panels and sizes, in order. */
 static jackknife_sums *tabulate(run *r, outcome *out) {
     const options *o = r->options;
     const parameter_values *sizes = options_list(o, "sizes");
@@ -120,7 +121,8 @@ static jackknife_sums *tabulate(run *r, outcome *out) {
     return all;
 }
 
-/* Panels and sizes show the same galaxies: all large sizes of a method with their covariance. */
+/* Add a conclusion: panels and sizes show the same galaxies, so all large sizes of a method are
+ * tested with their covariance. */
 static void conclude(run *r, const jackknife_sums *all, const outcome *out, int i) {
     const parameter_values *sizes = options_list(r->options, "sizes");
     const double truth[] = {r->options->mock.g1, r->options->mock.g2};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Section 4.3, last figure: the six interpolations against the size of the pixels. */
+/* Experiment `pixels` (section 4.3, last figure): the six interpolations as functions of the pixel
+ * size. */
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/list.h"
@@ -25,14 +26,14 @@ static int64_t stamps(const options *o) {
     return o->galaxies * sizes * (options_list(o, "ratios")->n + 1);
 }
 
-/* How many of enum psf_sampling are measured. */
+/* Return how many of enum psf_sampling are measured. */
 static int samplings(const options *o) {
     return options_number(o, "coarse") > 0.0 ? N_PSF_SAMPLINGS : 1;
 }
 
 /* ---- measuring ---- */
 
-/* Galaxies of R_G = size R_PSF at pixels of ratio R_PSF. */
+/* Return the scene of galaxies of R_G = size * R_PSF with R_PSF = ratio pixels. */
 static scene scene_at(const options *o, double size, double ratio) {
     scene s = {.spec = o->mock};
     s.spec.r_psf_px = 1.0 / ratio;
@@ -48,7 +49,7 @@ static shear_settings settings_at(const options *o, double ratio) {
     return s;
 }
 
-/* What the measurement gives where pixels do not matter: R_PSF = 4 pixels, not interpolated. */
+/* Measure without the effect of pixels: R_PSF = 4 pixels, not interpolated. */
 static jackknife_sums *measure_reference(const options *o, cache *c, double size) {
     static const double fine = 0.25;
     char name[48];
@@ -73,8 +74,8 @@ static jackknife_sums *measure_ratio(const options *o, cache *c, double size, do
                                     .n_series = samplings(o) * N_METHODS, .series = all});
 }
 
-/* The well-sampled reference (series 0), then, ratio by ratio, the six methods with each sampling
- * of the PSF. */
+/* Measure the well-sampled reference (series 0) and, for each ratio, the six methods with each
+ * sampling of the PSF. */
 static jackknife_sums *measure_size(const options *o, cache *c, double size) {
     const parameter_values *ratios = options_list(o, "ratios");
     jackknife_sums *sums = measure_reference(o, c, size);
@@ -93,15 +94,16 @@ typedef struct point {
     int method;
     double g[2], err[2], pull[2]; /* against the true shear */
     double dev[2], dev_err[2];    /* from the well-sampled reference */
-    double gain, gain_err;        /* |dev| of the plain twin minus one's own */
+    double gain, gain_err;        /* |dev| without the logarithm minus |dev| */
 } point;
 
-/* Which series of a size's sums; `twin` is the one without the logarithm, or the same. */
+/* Indices of series in a size's sums; `twin` is the method without the logarithm, or the same
+ * series. */
 typedef struct pick {
     int series, twin;
 } pick;
 
-/* g1, g2, dev1, dev2, |dev| of the twin minus |dev|. */
+/* Compute g1, g2, dev1, dev2, and |dev| of the twin minus |dev|. */
 static void estimate(const jackknife_total *totals, const void *context, double *out) {
     const pick *p = context;
     const double *reference = totals[0].g;
@@ -114,7 +116,7 @@ static void estimate(const jackknife_total *totals, const void *context, double 
     out[4] = hypot(twin[0] - reference[0], twin[1] - reference[1]) - hypot(out[2], out[3]);
 }
 
-/* `first`: the series of the first method at the point's ratio and sampling. */
+/* Fill a point. `first` is the series of the first method for the point's ratio and sampling. */
 static void fill_point(point *p, const jackknife_sums *sums, int first, const double truth[2]) {
     enum { N = 5 };
     double v[N];
@@ -163,9 +165,9 @@ static void add_row(table *t, int psf, const point *p) {
 }
 
 typedef struct score {
-    int best, best_good;      /* points of the two best methods up to ratio 2; within 3 errors */
-    double worst;             /* the largest pull among them */
-    int twins, better, worse; /* those with a plain twin; by 3 errors */
+    int best, best_good; /* points of the two best methods up to ratio 2; those within 3 errors */
+    double worst;        /* the largest pull of these */
+    int twins, better, worse; /* methods with a twin; those better or worse by 3 errors */
 } score;
 
 static void score_point(score *s, const point *p) {
@@ -192,7 +194,7 @@ static void conclude(table *t, const char *psf, const score *s) {
                    psf, s->better, s->twins, s->worse, s->twins - s->better - s->worse);
 }
 
-/* ---- figures, one for each sampling ---- */
+/* ---- figures, one per sampling ---- */
 
 typedef curve curves[MAX_SIZES][2][N_METHODS]; /* [size][component][method] */
 

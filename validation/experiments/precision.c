@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Beyond the paper: the error of one galaxy by the defaults, and by each of their steps on or off.
- */
+/* Experiment `precision` (beyond the paper): the error of one galaxy with the default settings, and
+ * with each of their steps switched on or off. */
 #include "engine/must.h"
 #include "engine/trial.h"
 #include "experiments/list.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A way to measure: the defaults, and what differs from them, "setting=value setting=value". */
+/* A way to measure: the differences from the default settings, "setting=value setting=value". */
 typedef struct step {
     const char *label, *change;
 } step;
@@ -41,7 +41,7 @@ static int64_t stamps(const options *o) {
     return 2 * o->galaxies;
 }
 
-/* ---- the ways: two for each step, the mean and pdf-sym ---- */
+/* ---- the ways: two per step, the mean and pdf-sym ---- */
 
 static const step *step_of(const options *o, int way) {
     return &steps[(int)options_list(o, "steps")->v[way / 2]];
@@ -112,7 +112,7 @@ static void tabulate(run *r, const trial *t, const trial_outcome *out) {
     }
 }
 
-/* ---- figure: a panel for each estimator; equal galaxies ---- */
+/* ---- figure: a panel per estimator; equal galaxies ---- */
 
 static void draw_panel(const panels *p, const options *o, const trial *t, const trial_outcome *out,
                        int pdf) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Beyond the paper: what a cut does to the shear, by what it is made on. */
+/* Experiment `selection` (beyond the paper): the effect of a cut on the shear, for several
+ * quantities. */
 #include "base/sort.h"
 #include "engine/must.h"
 #include "engine/scratch.h"
@@ -13,13 +14,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What is cut on, in the order of the figure. */
+/* The quantity of the cut, in the order of the figure. */
 enum cut_on {
     CUT_TRUE, /* the signal-to-noise of the unsheared galaxy */
     CUT_FLUX, /* FLUX, SNR and D of the result */
     CUT_SNR,
-    CUT_APERTURE, /* flux under a round Gaussian about the stamp's centre, over its noise */
-    CUT_DEEP,     /* the same of the image without noise */
+    CUT_APERTURE, /* flux in a round Gaussian aperture at the stamp's centre, over its noise */
+    CUT_DEEP,     /* the same in the image without noise */
     CUT_D,
     N_CUTS
 };
@@ -41,11 +42,11 @@ static int64_t stamps(const options *o) {
     return 2 * o->galaxies;
 }
 
-/* Doubles only, for the cache: [N_CUTS][kept][N_ESTIMATORS]. */
+/* The results, only doubles, for the result cache: [N_CUTS][kept][N_ESTIMATORS]. */
 typedef struct outcome {
     double m, m_err;
-    double shift, shift_err; /* m less that without a cut */
-    double kept, threshold;  /* part of the stamps; the least value that is kept */
+    double shift, shift_err; /* m minus m without a cut */
+    double kept, threshold;  /* fraction of the stamps; smallest value that is kept */
 } outcome;
 enum { OUTCOME_VALUES = sizeof(outcome) / sizeof(double) };
 
@@ -62,7 +63,7 @@ typedef struct measuring {
     trial_stamps *drawn;
     int side;
     stamp *stamps;    /* [2][trial.stamps]: +g, -g */
-    shear_row *rows;  /* of a group */
+    shear_row *rows;  /* of one group */
     double *aperture; /* [side][side] */
     double aperture_noise;
     double beta_px;
@@ -72,7 +73,8 @@ static int64_t begin_of(const trial *t, int group) {
     return t->stamps / t->copies * group / t->groups * t->copies;
 }
 
-/* A round Gaussian about the stamp's centre, and what noise of 1 a pixel scatters its sum by. */
+/* Fill a round Gaussian aperture at the stamp's centre, and the scatter of its sum for noise of 1
+ * per pixel. */
 static void fill_aperture(measuring *m) {
     const double sigma = options_number(m->options, "aperture");
     double square = 0.0;
@@ -105,7 +107,7 @@ static void keep_stamp(const measuring *m, int k, int sign, stamp *s) {
     s->value[CUT_D] = s->row.d;
 }
 
-/* The plan that a user's file would have; the stamps as they were before they were written. */
+/* Measure with the plan that a file of these stamps would have, but with the stamps as drawn. */
 static void measure(measuring *m, int sign, int count) {
     const trial_stamps_view view = trial_stamps_look(m->drawn, sign);
     const shear_stamps pairs = {
@@ -140,7 +142,7 @@ typedef struct cut {
     double threshold;
 } cut;
 
-/* At the value that a part `kept` of the unflagged stamps of both signs reaches. */
+/* Find the value that a fraction `kept` of the unflagged stamps of both signs reaches. */
 static cut find_cut(const measuring *m, enum cut_on on, double kept) {
     const size_t all = 2 * (size_t)m->trial.stamps;
     cut found = {on, -INFINITY};
@@ -158,7 +160,7 @@ static cut find_cut(const measuring *m, enum cut_on on, double kept) {
     return found;
 }
 
-/* The stamps [from, to) that are kept, in the library's blocks. Returns how many there are. */
+/* Add the kept stamps of [from, to) in the library's blocks. Returns their number. */
 static double gather(const measuring *m, cut c, int64_t from, int64_t to, shear_field_sums *sums,
                      shear_symmetry *terms) {
     double n = 0.0;
@@ -179,7 +181,7 @@ static double gather(const measuring *m, cut c, int64_t from, int64_t to, shear_
     return n;
 }
 
-/* What is left by a cut, of all groups at both signs. */
+/* Sum the kept stamps of all groups at both signs. */
 static trial_sums *sum_kept(const measuring *m, cut c, enum shear_estimator estimator,
                             double *kept) {
     const trial *t = &m->trial;
@@ -266,7 +268,7 @@ static const column columns[] = {
     {"shift", TABLE_NUMBER, 4, .help = "m less that without a cut", .with_error = true},
     {0}};
 
-/* At the part nearest to a half. `out` [kept][N_ESTIMATORS] */
+/* Add a conclusion for the fraction nearest to a half. `out` is [kept][N_ESTIMATORS]. */
 static void conclude(table *t, const parameter_values *kept, const outcome *out, int i_cut) {
     int half = 0;
     for (int i = 1; i < kept->n; i++)
@@ -294,7 +296,7 @@ static void tabulate(table *t, const parameter_values *kept, const outcome *out)
         conclude(t, kept, out + i * n, i);
 }
 
-/* ---- figure: a panel for each estimator ---- */
+/* ---- figure: a panel per estimator ---- */
 
 static void draw_panel(const panels *p, int n_kept, const outcome *out, int estimator) {
     curve curves[N_CUTS] = {{.hue = SHEAR_BLACK, .marker = SHEAR_DISC},

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The paper's discussion: m and c under photon counting, against the exposure. */
+/* Experiment `shot` (the paper's discussion): m and c with photon counting, as functions of the
+ * exposure. */
 #include "engine/bias_fit.h"
 #include "engine/methods.h"
 #include "engine/must.h"
@@ -37,7 +38,7 @@ static int64_t stamps(const options *o) {
 
 /* ---- measuring ---- */
 
-/* How a stamp is measured: the paper's way, and two without interpolation. */
+/* The ways to measure: the paper's, and two without interpolation. */
 static const struct {
     const char *name;
     enum shear_interpolation interpolation;
@@ -46,12 +47,13 @@ static const struct {
                   {"none", SHEAR_INTERP_NONE, "none"},
                   {"plateau", SHEAR_INTERP_NONE, "plateau"}};
 
-/* (g, g) for g = reach, reach/2, 0, -reach/2, -reach. */
+/* Return g of the shear (g, g): reach, reach/2, 0, -reach/2, -reach. */
 static double shear_at(const options *o, int i) {
     return options_number(o, "reach") * (1.0 - 0.5 * i);
 }
 
-/* `background` is a constant that the images do not have, but that their logarithms are to feel. */
+/* Return a series. `background` is a constant that is not in the images, but is added before their
+ * logarithms. */
 static series series_of(const options *o, int i_scene, int way, double background) {
     series s = {.scene = i_scene,
                 .psf_oversample = psf_oversample(PSF_FINE, o->mock.r_psf_px),
@@ -63,7 +65,7 @@ static series series_of(const options *o, int i_scene, int way, double backgroun
     return s;
 }
 
-/* The background of a galaxy whose points have amplitude 1. */
+/* Return the background of a galaxy whose points have amplitude 1. */
 static double background_at(const shear_mock_spec *spec, double snr) {
     shear_mock *mock = NULL;
     must(shear_mock_new(&mock, spec, &must_error));
@@ -74,7 +76,7 @@ static double background_at(const shear_mock_spec *spec, double snr) {
     return background;
 }
 
-/* Series: way + N_WAYS * shear. Without photons: what an endless exposure would give. */
+/* Measure. The series are way + N_WAYS * shear. photons = 0 is an infinite exposure. */
 static jackknife_sums *measure(const options *o, cache *c, double snr, double photons) {
     char name[64];
     scene scenes[N_SHEARS];
@@ -120,12 +122,12 @@ static const column components[] = {
 
 typedef struct outcome {
     curve m[N_PANELS][N_WAYS][2], c[N_PANELS][N_WAYS][2];
-    /* The exposure from which on photon counting does not matter, photons; NaN: from none on. */
+    /* exposure from which photon counting does not matter, in photons; NaN: none */
     double from[N_PANELS][N_WAYS];
 } outcome;
 
-/* What counting photons adds to m is small where it is below m's own error, or not seen at all. The
- * series of the endless exposure stand behind the point's. */
+/* Add a row. The effect of photon counting on m is small if it is below m's own error, or not
+ * significant. The series of the infinite exposure follow those of the point. */
 static void add_row(run *r, const jackknife_sums *sums, int panel, double photons, int way,
                     outcome *out) {
     const shear_set set = set_of(r->options, way);
@@ -182,7 +184,8 @@ static void conclude(run *r, const outcome *out, int panel) {
 
 /* ---- figure ---- */
 
-/* Log-spline as discs, the plateau as circles; the way between is in the table. */
+/* Draw a panel: log-spline as discs, the plateau correction as circles. The third way is only in
+ * the table. */
 static void draw_panel(const panels *p, int i, double snr, const outcome *out) {
     static const char *const labels[] = {"g_{1}, Log-Spline", "g_{2}, Log-Spline", "g_{1}, plateau",
                                          "g_{2}, plateau"};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Section 4.3, second figure: the shear of one galaxy, placed at random positions on the grid. */
+/* Experiment `single` (section 4.3, second figure): the shear of one galaxy at random positions on
+ * the grid. */
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/list.h"
@@ -9,7 +10,7 @@
 #include <stdlib.h>
 
 enum { MAX_RATIOS = 4, MAX_OBJECTS = 64, BINS = 60 };
-enum { CHUNK = 50 }; /* positions between two checkpoints */
+enum { CHUNK = 50 }; /* positions per chunk of the result cache */
 
 static const parameter parameters[] = {
     {"ratios", "2,1.5,1,0.5", 0.05, 4, true, "pixel size over R_PSF, at most four"},
@@ -35,7 +36,7 @@ typedef struct shears {
 } shears;
 
 typedef struct object {
-    double truth[2]; /* its shear where pixels do not matter */
+    double truth[2]; /* its shear without the effect of pixels */
     shears at[MAX_RATIOS];
 } object;
 
@@ -45,7 +46,7 @@ typedef struct objects {
     object of[MAX_OBJECTS];
 } objects;
 
-/* A galaxy at a pixel size of `ratio` R_PSF. */
+/* Return the spec of a galaxy with R_PSF = `ratio` pixels. */
 static shear_mock_spec spec_at(const options *o, int i_object, double ratio) {
     shear_mock_spec m = o->mock;
     m.seed += (uint64_t)i_object;
@@ -56,7 +57,7 @@ static shear_mock_spec spec_at(const options *o, int i_object, double ratio) {
     return m;
 }
 
-/* The positions are those that the mocks draw for the centres of so many galaxies. */
+/* Set the position: the one that the mocks draw for the centre of galaxy number `stamp`. */
 static void place(const void *context, int64_t stamp, shear_mock_spec *spec) {
     shear_mock_centre(context, stamp, &spec->offset_x, &spec->offset_y);
     spec->shift = false;
@@ -67,7 +68,7 @@ typedef struct positions {
     int64_t n;
 } positions;
 
-/* values [N_METHOD_SERIES][CHUNK][2] */
+/* Measure a chunk: values [N_METHOD_SERIES][CHUNK][2]. */
 static void measure_chunk(void *context, int chunk, double *values) {
     const positions *p = context;
     const int64_t first = (int64_t)chunk * CHUNK;
@@ -121,7 +122,7 @@ static shears measure(const options *o, cache *c, int i_object, double ratio) {
     return s;
 }
 
-/* The galaxy's shear where pixels do not matter: R_PSF = 8 pixels, not interpolated. */
+/* Measure the galaxy's shear without the effect of pixels: R_PSF = 8 pixels, not interpolated. */
 static void measure_truth(const options *o, int i_object, double truth[2]) {
     static const double fine = 0.125;
     shear_row row = {0};
@@ -140,7 +141,7 @@ static void measure_truth(const options *o, int i_object, double truth[2]) {
 
 /* ---- table ---- */
 
-/* Squared distance from the truth at one position. */
+/* Return the squared distance from the truth at one position. */
 static double square_of(const object *o, int ratio, int i_series, int64_t k) {
     const shears *s = &o->at[ratio];
     const double d1 = s->g[0][i_series * s->n + k] - o->truth[0];
@@ -148,7 +149,7 @@ static double square_of(const object *o, int ratio, int i_series, int64_t k) {
     return d1 * d1 + d2 * d2;
 }
 
-/* Root mean square distance of a component from the truth. */
+/* Return the root mean square distance of a component from the truth. */
 static double rms_of(const object *o, int ratio, int i_series) {
     double sum = 0.0;
     for (int64_t k = 0; k < o->at[ratio].n; k++)
@@ -165,8 +166,8 @@ static double rms_of_all(const objects *all, int ratio, int i_series) {
     return sqrt(sum);
 }
 
-/* +1 where series `a` is nearer to the truth than `b` by 3 errors of their difference at the same
- * positions, -1 where it is farther, 0 where they are alike. */
+/* Return +1 if series `a` is closer to the truth than `b` by 3 errors of their difference at the
+ * same positions, -1 if it is farther, 0 otherwise. */
 static int nearer(const object *o, int ratio, int a, int b) {
     const double n = (double)o->at[ratio].n;
     double sum = 0.0;
@@ -180,13 +181,14 @@ static int nearer(const object *o, int ratio, int a, int b) {
     return sum > 3.0 * err ? 1 : sum < -3.0 * err ? -1 : 0;
 }
 
-/* Series i of the same PSF without the logarithm; -1 where i has none. */
+/* Return the series of the same PSF without the logarithm; -1 if i has no logarithm. */
 static int plain_of(int i_series) {
     const int plain = methods[i_series % N_METHODS].plain;
     return plain >= 0 ? i_series / N_METHODS * N_METHODS + plain : -1;
 }
 
-/* How many objects say that a series is nearer, and farther, than its plain twin. */
+/* Numbers of objects for which a series is closer, and farther, than the one without the logarithm.
+ */
 typedef struct counts {
     int near, far;
 } counts;
@@ -240,7 +242,8 @@ static void add_row(table *t, const objects *all, int k, int i_series) {
     table_numbers(t, NAN, NAN);
 }
 
-/* Over all objects: in how many of the cases is the logarithm's root mean square smaller? */
+/* Add a conclusion: in how many cases, over all objects, the logarithm has the smaller root mean
+ * square. */
 static void conclude(table *t, const objects *all, int psf) {
     const int ratios = all->ratios->n;
     int better = 0;
@@ -283,7 +286,8 @@ static void tabulate(table *t, const objects *all) {
 
 /* ---- figures of the first object ---- */
 
-/* The widest histogram of the log methods fits; what lies beyond is cut off. */
+/* Return a range that contains the widest histogram of the log methods; values beyond it are cut
+ * off. */
 static shear_range choose_range(const object *first, int n_ratios, int c) {
     const double truth = first->truth[c];
     double reach = 1e-4;
@@ -311,7 +315,7 @@ static void draw_histogram(shear_figure *f, shear_range range, const double *g, 
 
 static void draw_panel(shear_figure *f, shear_rect cell, const objects *all, int i_series, int c,
                        shear_range range) {
-    /* The paper's: purple, blue, red, black. */
+    /* The paper's colours: purple, blue, red, black. */
     static const int hues[MAX_RATIOS] = {SHEAR_PURPLE, SHEAR_BLUE, SHEAR_VERMILION, SHEAR_BLACK};
     const object *first = &all->of[0];
     shear_axes_begin(f, &(shear_axes){cell, methods[i_series % N_METHODS].label,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Beyond the paper: the shear of imperfect data by the default settings. */
+/* Experiment `survey` (beyond the paper): the shear of imperfect data with the default settings. */
 #include "base/text.h"
 #include "engine/must.h"
 #include "engine/trial.h"
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { N_WAYS = 2, COLUMNS = 3 }; /* the mean, pdf-sym; of the figure */
+enum { N_WAYS = 2, COLUMNS = 3 }; /* the mean and pdf-sym; columns of the figure */
 
 static const parameter parameters[] = {
     {"snrs", "100,30,15,10", 1, 1e6, true, "signal-to-noise of the galaxies, as in GREAT3"},
@@ -51,13 +51,13 @@ static int64_t stamps(const options *o) {
     return total;
 }
 
-/* A row of the table of flaws, and what it came to. */
+/* A row of the table of flaws, and its results. */
 typedef struct flaw_row {
     const flaw *flaw;
     trial_outcome *out; /* [snrs][N_WAYS] */
 } flaw_row;
 
-/* ---- what is asked for ---- */
+/* ---- requirements ---- */
 
 static bool wish_is_met(const flaw *f, double snr, const trial_outcome *o) {
     switch (f->wish) {
@@ -74,7 +74,7 @@ static bool wish_is_met(const flaw *f, double snr, const trial_outcome *o) {
     }
 }
 
-/* NaN is not small. */
+/* false for NaN */
 static bool bias_is_small(const flaw *f, const trial_outcome *o) {
     return f->aim_m == 0.0 || fabs(o->m) < 1e-3 * f->aim_m + 2.0 * o->m_err;
 }
@@ -129,7 +129,8 @@ static void add_row(table *t, const flaw *f, double snr, int way, const trial_ou
                 is_met(f, snr, o) ? "yes" : "no");
 }
 
-/* One line for a row of the table of flaws: at which signal-to-noise it is met. True if at all. */
+/* Add a conclusion for a row of the table of flaws: the signal-to-noise at which it meets the
+ * requirement. Returns whether there is any. */
 static bool conclude(table *t, const parameter_values *snrs, const flaw_row *row) {
     const flaw *f = row->flaw;
     const trial_outcome *loudest = &row->out[0];
@@ -168,7 +169,7 @@ static void tabulate(table *t, const parameter_values *snrs, const flaw_row *row
     table_meta(t, "cases", "%d", n);
 }
 
-/* ---- figure: m against signal-to-noise, a panel for each row that has an aim for it ---- */
+/* ---- figure: m against signal-to-noise, a panel per row with a limit on m ---- */
 
 static void draw_panel(shear_figure *f, shear_rect cell, const parameter_values *snrs,
                        const flaw_row *row, bool first) {

@@ -37,7 +37,7 @@ static shear_range range_of_y(const chart *c) {
     return r;
 }
 
-/* Curves side by side, so that error bars do not hide each other. */
+/* Draw a curve, shifted so that error bars do not cover each other. */
 static void draw_curve(shear_figure *f, const chart *chart_of, int i, shear_range x) {
     const curve *c = &chart_of->curves[i];
     const double shift = (i - 0.5 * (chart_of->n_curves - 1)) * chart_of->spread;

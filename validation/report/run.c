@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 enum { MAX_FIGURES = 4 };
-static const double margin = 8.0; /* around all panels, pixels */
+static const double margin = 8.0; /* around the panels, pixels */
 
 struct run_figures {
     int n;

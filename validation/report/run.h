@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* run.h: one run of an experiment, and what it leaves: a table and figures. */
+/* run.h: one run of an experiment, and its output: a table and figures. */
 #ifndef VALIDATION_RUN_H
 #define VALIDATION_RUN_H
 
@@ -19,21 +19,21 @@ typedef struct run {
 /* Open the cache and begin a table. */
 void run_begin(run *r, const options *o);
 
-/* The figure OUT/NAME.png (suffix NULL) or OUT/NAME-suffix.png, which the run owns. */
+/* Create the figure OUT/NAME.png (suffix NULL) or OUT/NAME-suffix.png, owned by the run. */
 shear_figure *run_figure(run *r, const char *suffix, int width, int height);
 
-/* A figure of panels: the grid, but for its area, with a margin around all. */
+/* A figure of panels: the grid without its area, and a margin around all. */
 typedef struct panels {
     shear_figure *figure;
     shear_grid grid;
 } panels;
 panels run_panels(run *r, const char *suffix, int width, int height, shear_grid grid);
-/* Row by row from the top left. */
+/* Return cell i, row by row from the top left. */
 shear_rect panels_cell(const panels *p, int i);
 void panels_draw(const panels *p, int i, const chart *c);
 
-/* Print the table, save it and the figures in the order in which they were begun, say where they
- * are, with the run time of all pieces as meta data; close and free all. */
+/* Print the table, save it and the figures in the order of their creation, with the run time of all
+ * chunks as metadata, and print their paths. Then close and free everything. */
 void run_end(run *r);
 
 #endif

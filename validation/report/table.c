@@ -15,7 +15,7 @@
 
 enum { MAX_COLUMNS = 40, MAX_META = 48, MAX_TEXT = 1100, MAX_CELL = 48 };
 
-/* As asked for; its name is made of that of `of`. */
+/* The column as given; its name is made from that of `of`. */
 typedef struct made_column {
     const column *of;
     char name[MAX_CELL];
@@ -45,7 +45,7 @@ struct table {
 
 table *table_new(const options *o) {
     table *t = must_allocate(1, sizeof *t, "a table");
-    char *settings = options_describe(o); /* "name value" lines become one text */
+    char *settings = options_describe(o); /* "name value" lines become one string */
     for (char *p = strchr(settings, '\n'); p != NULL; p = strchr(p, '\n'))
         *p = p[1] != '\0' ? ';' : '\0';
     table_meta(t, "experiment", "%s", o->experiment->name);
@@ -96,7 +96,7 @@ static cell *next_cell(table *t, made_column **c) {
     return &t->cells[t->n++];
 }
 
-/* The text of a number for people. */
+/* Format a number for the printed table. */
 static void format_cell(const column *c, double value, char *buf) {
     if (isnan(value)) {
         snprintf(buf, MAX_CELL, "-");
@@ -159,7 +159,7 @@ void table_conclude(table *t, const char *format, ...) {
 
 /* ---- writing ---- */
 
-/* Cells row by row, with `between` them. */
+/* Writes one cell; the cells of a row are written in order, with `between` them. */
 typedef void cell_writer(FILE *out, const made_column *c, const cell *value);
 static void write_rows(const table *t, FILE *out, const char *between, cell_writer *write) {
     for (size_t k = 0; k < t->n; k++) {
@@ -189,7 +189,7 @@ void table_print(const table *t, FILE *out) {
     }
 }
 
-/* A YAML scalar between single quotes. */
+/* Write a YAML scalar in single quotes. */
 static void write_yaml(FILE *out, const char *text) {
     fputc('\'', out);
     for (; *text != '\0'; text++)
@@ -211,7 +211,7 @@ static void write_columns(const table *t, FILE *out) {
     }
 }
 
-/* A key that was there before has a number behind it. */
+/* Write the metadata. A repeated key gets a number appended. */
 static void write_meta(const table *t, FILE *out) {
     fputs("# meta: !!omap\n", out);
     for (int i = 0; i < t->n_meta; i++) {
