@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear-bench: microseconds per stamp pair, beside two plain FFTW r2c transforms of the same fine
- * size (F) in the same run; how much faster all threads are; and the stages of a pair. */
+/* shear-bench: times the measurement in microseconds per stamp pair, as a ratio to F (two plain
+ * FFTW r2c transforms of the same fine size) in the same run; also the speed-up of threads, and the
+ * stages of a pair. */
 #include "rounds.h"
 
 #include <omp.h>
@@ -16,7 +17,7 @@ typedef struct options {
     const char *only;
 } options;
 
-/* A PSF a stamp is one more transform that anyone would compute. */
+/* Return the number of transforms: a PSF per stamp needs one more. */
 static double transforms(const bench_case *c) {
     return c->psf_per_stamp ? 3.0 : 2.0;
 }

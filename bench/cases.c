@@ -35,7 +35,7 @@ static void draw(double *out, int n, double sigma, double amplitude, double back
     }
 }
 
-/* Aligned as the reader's blocks are. */
+/* Return n doubles, aligned as the reader's blocks are; NULL if out of memory. */
 static double *new_doubles(size_t n) {
     return aligned_alloc(64, (n * sizeof(double) / 64 + 1) * 64);
 }
@@ -62,7 +62,7 @@ static int make_plan(bench_data *d, const bench_case *c, shear_error *err) {
     if (code != SHEAR_OK)
         return code;
     settings.oversample = c->oversample > 1 ? c->oversample : 0;
-    /* The paper's filter, at the beta that the plan will choose. */
+    /* the paper's filter, at the beta that the plan will choose */
     settings.core_px = fmin(c->r_gal_px + 4.0 * 1.5 * c->r_psf_px, 0.45 * c->side);
     return shear_plan_new(&d->plan,
                           &(shear_plan_request){.settings = &settings,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bench/cases.h: what is timed. */
+/* bench/cases.h: the cases that are timed. */
 #ifndef BENCH_CASES_H
 #define BENCH_CASES_H
 
@@ -9,9 +9,9 @@
 
 typedef struct bench_case {
     const char *name;
-    int side; /* stamp, px */
+    int side; /* of a stamp, px */
     const char *interpolation;
-    int oversample; /* s; 1 for none */
+    int oversample; /* s; 1: none */
     double r_psf_px, r_gal_px;
     bool psf_per_stamp;
 } bench_case;
@@ -19,8 +19,8 @@ typedef struct bench_case {
 extern const bench_case bench_cases[];
 extern const int bench_n_cases;
 
-/* Stamps of a case, drawn once: pairs of smooth galaxies with white noise on a background, all
- * pixels positive. */
+/* The stamps of a case, drawn once: smooth galaxies and noise stamps, with white noise on a
+ * background, all pixels positive. */
 typedef struct bench_data {
     int count;
     shear_plan *plan;
@@ -34,7 +34,8 @@ void bench_data_deinit(bench_data *data);
 
 /* Measure all stamps `repeats` times into rows [count]. Ends the program on failure. */
 void bench_data_measure(const bench_data *data, shear_workspace *ws, int repeats, shear_row *rows);
-/* The same into the data's own rows: microseconds per pair, in the thread's processor time. */
+/* Do the same into the data's own rows. Returns the thread's processor time in microseconds per
+ * pair. */
 double bench_data_time_pairs(const bench_data *data, shear_workspace *ws, int repeats);
 
 #endif

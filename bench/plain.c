@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear-plain FILE: the floor of a whole file, timed by bench/files: every pixel of GALAXY and
- * NOISE read by CFITSIO as double, a block of stamps at a time, and two plain FFTW transforms for
- * each pair. */
+/* shear-plain FILE: a lower bound for the time of a whole file, for bench/files: read all pixels of
+ * GALAXY and NOISE by CFITSIO as double, a block of stamps at a time, and do two plain FFTW
+ * transforms per pair. */
 #include "floor.h"
 
 #include <fitsio.h>

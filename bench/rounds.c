@@ -10,10 +10,10 @@
 #include <omp.h>
 #include <stdlib.h>
 
-static const double round_seconds = 0.02; /* the shortest a timing may be */
+static const double round_seconds = 0.02; /* minimum duration of a timing */
 static const double unit_pixels = 131072.0;
 
-/* What one round of a case needs. */
+/* The memory for one round of a case. */
 typedef struct timed_case {
     bench_data data;
     shear_workspace **ws; /* [threads] */
@@ -22,9 +22,9 @@ typedef struct timed_case {
     int threads, repeats;
 } timed_case;
 
-/* Microseconds per pair on all threads at once, all with the same stamps: each thread's own
- * processor time, so that it tells what they cost each other (caches, memory, false sharing), not
- * what else runs on the machine. */
+/* Return microseconds per pair with all threads at once on the same stamps, in each thread's own
+ * processor time. So it includes the effect of threads on each other (caches, memory, false
+ * sharing), but not that of other processes. */
 static double time_threads(const timed_case *b) {
     const int repeats = b->repeats / b->data.count;
     double us = 0.0;
@@ -53,8 +53,8 @@ static int timed_case_init(timed_case *b, const bench_case *c, int threads, shea
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     time_floor(b->floor, 1);
     b->repeats = (int)fmax(4.0, ceil(1e6 * round_seconds / time_floor(b->floor, 3)));
-    /* As many stamps as a work unit of the pipeline has: what the reader has just left in the
-     * cache. */
+    /* As many stamps as in a work unit of the pipeline: they are still in the cache after the
+     * reader. */
     const int count = (int)fmax(1.0, fmin(b->repeats, unit_pixels / (2.0 * c->side * c->side)));
     int code = bench_data_init(&b->data, c, count, err);
     if (code != SHEAR_OK)
@@ -102,7 +102,7 @@ int rounds_time_case(const bench_case *c, int rounds, int threads, timing *out, 
     const int code = timed_case_init(&b, c, threads, err);
     if (code != SHEAR_OK)
         return code;
-    one_round(&b, &r, 0); /* warms up */
+    one_round(&b, &r, 0); /* warm-up */
     for (int i = 0; i < rounds; i++)
         one_round(&b, &r, i);
     *out = (timing){.pair_us = timer_median(r.pair, rounds),

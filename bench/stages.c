@@ -8,7 +8,7 @@
 const char *const stage_names[N_STAGES] = {
     "PSF", "interpolation", "transform along y", "packing", "along x", "moments", "border, flags"};
 
-/* The case, and the pair that a stage is to work on. */
+/* A case, and the pair that a stage works on. */
 typedef struct stage_pair {
     const shear_plan *plan;
     shear_workspace *ws;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store-bench: what the store's operations cost on a big database beside a small one (they should
- * cost the same), and durable submits a second beside SQLite's own bare commits in the same
- * directory, alternately, so that the machine's noise cancels. */
+/* store-bench: times of the store's operations on a big database and on a small one (they should be
+ * the same), and durable submits per second compared to SQLite's plain commits in the same
+ * directory. The two alternate, so that both have the same disturbances. */
 #include "base/cleanup.h"
 #include "store_fill.h"
 #include "timer.h"
@@ -28,7 +28,7 @@ enum {
 typedef struct database {
     store *s;
     int64_t jobs, fields;
-    int64_t next; /* walks through the database in large strides, the same way in every run */
+    int64_t next; /* steps through the database in large strides, the same in every run */
     char *sums;
 } database;
 
@@ -68,7 +68,7 @@ static void call_submit(database *d, shear_error *err) {
     submit(d->s, 0, err);
 }
 
-/* A job's whole life but its file. */
+/* Do all operations of a job's life except those on its file. */
 static void call_life(database *d, shear_error *err) {
     char field[32];
     char content[32];
@@ -122,7 +122,7 @@ static void call_field(database *d, shear_error *err) {
     must(store_field_get(d->s, field, &page, err), err);
 }
 
-/* Full pages only: not the last ones. */
+/* full pages only, not the last ones */
 static void call_fields(database *d, shear_error *err) {
     char field[32];
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
@@ -158,8 +158,8 @@ static const operation operations[] = {
     {"contributions of a field", call_contributions},
 };
 
-/* Microseconds a call. In a group that is given up: nothing is written, and the database stays as
- * it is. */
+/* Return microseconds per call. The calls are in a group that is rolled back, so that the database
+ * does not change. */
 static double time_calls(database *d, const operation *op) {
     shear_error err = {0};
     must(store_begin(d->s, &err), &err);
@@ -178,7 +178,7 @@ static void compare_databases(database *small, database *big) {
     printf("| microseconds | %" PRId64 " jobs | %" PRId64 " jobs | ratio |\n|---|---|---|---|\n",
            small->jobs, big->jobs);
     for (size_t i = 0; i < sizeof operations / sizeof operations[0]; i++) {
-        time_calls(small, &operations[i]); /* to warm up */
+        time_calls(small, &operations[i]); /* warm-up */
         time_calls(big, &operations[i]);
         for (int r = 0; r < ROUNDS; r++) {
             few[r] = time_calls(small, &operations[i]);
@@ -205,7 +205,7 @@ static sqlite3 *open_bare(const char *path) {
     return db;
 }
 
-/* Commits of one row each, a second: what the disk and SQLite can do at best. */
+/* Return commits of one row per second: the limit of disk and SQLite. */
 static double bare_rate(sqlite3 *db) {
     sqlite3_stmt *stmt = NULL;
     sqlite3_prepare_v2(db, "INSERT INTO t VALUES (1)", -1, &stmt, NULL);

@@ -26,7 +26,7 @@ char *store_fill_sums(void) {
     return text;
 }
 
-/* One real job, from which the bulk is copied. */
+/* Create one real job, from which the others are copied. */
 static int make_pattern(store *s, shear_error *err) {
     CLEANUP(store_job_deinit) store_job job = {0};
     store_finished end;
@@ -54,8 +54,8 @@ static int make_pattern(store *s, shear_error *err) {
     return code != SHEAR_OK ? code : store_finish(s, id, &work, &end, err);
 }
 
-/* ?1: jobs, ?2: fields. Job n is of field (n - 1) mod fields. Triggers are off: the numbers are set
- * at the end. */
+/* ?1: jobs, ?2: fields. Job n belongs to field (n - 1) mod fields. Triggers are disabled; the
+ * totals are set at the end. */
 static const char *const statements[] = {
     "PRAGMA journal_mode = OFF",
     "PRAGMA synchronous = OFF",
@@ -94,7 +94,7 @@ static int run(sqlite3 *db, const char *sql, int64_t jobs, int64_t fields) {
     sqlite3_stmt *stmt = NULL;
     int rc = sqlite3_prepare_v2(db, sql, -1, &stmt, NULL);
     if (rc == SQLITE_OK) {
-        sqlite3_bind_int64(stmt, 1, jobs); /* not all have these parameters */
+        sqlite3_bind_int64(stmt, 1, jobs); /* not all statements have these parameters */
         sqlite3_bind_int64(stmt, 2, fields);
         do {
             rc = sqlite3_step(stmt);

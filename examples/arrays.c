@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The shear of stamps in memory: simulate sheared galaxies, and measure them in one call. */
+/* Measure stamps in memory: simulate sheared galaxies, and get their shear in one call. */
 #include <math.h>
 #include <shear.h>
 #include <stdio.h>
@@ -10,7 +10,7 @@ static const double pi = 3.14159265358979323846;
 static const double psf_px = 1.5; /* standard deviation of the Gaussian PSF */
 static const double true_g1 = 0.02, true_g2 = -0.01;
 
-/* Between 0 and 1, by a linear congruential generator. */
+/* Return a number between 0 and 1, by a linear congruential generator. */
 static double uniform(void) {
     static uint64_t state = 2026;
     state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
@@ -21,7 +21,7 @@ static double normal(void) {
     return sqrt(-2.0 * log(uniform())) * cos(2.0 * pi * uniform());
 }
 
-/* A Gaussian of covariance [xx xy; xy yy] about the centre of the stamp, and noise of variance 1.
+/* Draw a Gaussian of covariance [xx xy; xy yy] at the centre of the stamp, and noise of variance 1.
  */
 static void draw(float *stamp, double flux, double xx, double xy, double yy) {
     const double det = xx * yy - xy * xy;
@@ -33,7 +33,8 @@ static void draw(float *stamp, double flux, double xx, double xy, double yy) {
     }
 }
 
-/* A galaxy with a random axis ratio and direction, sheared by (g1, g2), seen through the PSF. */
+/* Draw a galaxy with a random axis ratio and direction, sheared by (g1, g2), convolved with the
+ * PSF. */
 static void draw_galaxy(float *stamp) {
     const double size2 = 2.0 + 4.0 * uniform();
     const double e = 0.5 * uniform(), angle = pi * uniform();
@@ -60,7 +61,7 @@ int main(void) {
         psf[i] = exp(-0.5 * (x * x + y * y) / (psf_px * psf_px));
     }
 
-    /* Arrays without gaps need no strides; NumPy's strides can be given as they are. */
+    /* Contiguous arrays need no strides; strides of NumPy can be used as they are. */
     const shear_arrays arrays = {
         .n_stamps = GALAXIES,
         .geometry = {.nx = SIDE, .ny = SIDE, .psf_nx = SIDE, .psf_ny = SIDE, .psf_oversample = 1},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The shear of a field file: file FIELD.fits [SETTING=VALUE]... */
+/* Measure a field file: file FIELD.fits [SETTING=VALUE]... */
 #include <shear.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@ static int fail(const shear_error *err) {
     return EXIT_FAILURE;
 }
 
-/* "beta-ratio=2.5", say; the settings are those of shearctl(1). */
+/* Parse a setting, for example "beta-ratio=2.5"; the settings are those of shearctl(1). */
 static int set(shear_settings *settings, const char *assignment, shear_error *err) {
     char name[64];
     const char *equals = strchr(assignment, '=');
@@ -26,7 +26,7 @@ int main(int argc, char **argv) {
     shear_error err;
     shear_settings settings;
     shear_run_report report;
-    shear_field_sums *sums = NULL; /* of several files, if they are parts of one field */
+    shear_field_sums *sums = NULL; /* sums of several files, if they are parts of one field */
     if (argc < 2) {
         fprintf(stderr, "usage: file FIELD.fits [SETTING=VALUE]...\n");
         return EXIT_FAILURE;

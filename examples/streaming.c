@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Stamps that come block by block, as from a camera or a pipeline: plan once, measure each block
- * when it is there, and add its rows to the sums. Here the blocks are read from a field file. */
+/* Measure stamps block by block, as they arrive from a camera or a pipeline: create the plan once,
+ * measure each block, and add its rows to the sums. Here the blocks are read from a field file. */
 #include <shear.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,8 +34,8 @@ static void close_stream(stream *s) {
     shear_field_close(s->field);
 }
 
-/* Blocks of SHEAR_BLOCK stamps are summed in the order of the stamps: the result is the same to the
- * last bit, however many stamps come at a time. */
+/* Add rows in blocks of SHEAR_BLOCK stamps in the order of the stamps. The result is the same to
+ * the last bit for any number of stamps at a time. */
 static void add_rows(shear_field_sums *sums, const shear_row *rows, int count) {
     for (int i = 0; i < count; i += SHEAR_BLOCK) {
         shear_block_sums block;
