@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* options.h: a parser for the command line of a subcommand, driven by a table of its options. */
+/* options.h: the parser of a subcommand's options, by a table with the destination of each value.
+ */
 #ifndef CLIENT_CMDLINE_OPTIONS_H
 #define CLIENT_CMDLINE_OPTIONS_H
 
