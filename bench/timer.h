@@ -3,6 +3,7 @@
 #ifndef BENCH_TIMER_H
 #define BENCH_TIMER_H
 
+/* Return the time of the monotonic clock in microseconds. */
 double timer_now_us(void);
 /* Return this thread's processor time in microseconds; other processes do not affect it. */
 double timer_processor_us(void);

@@ -48,7 +48,7 @@ static step choose_step(double lo, double hi, int at_most) {
     return s;
 }
 
-/* Write `number` with so many decimals, with a minus sign (U+2212). */
+/* Write `number` with `decimals` decimals, with a minus sign (U+2212). */
 static void write_number(char label[SHEAR_TICK_LABEL], double number, int decimals) {
     char digits[SHEAR_TICK_LABEL];
     snprintf(digits, sizeof digits, "%.*f", decimals, fabs(number));

@@ -63,8 +63,8 @@ void painter_deinit(painter *p) {
     *p = (painter){0};
 }
 
-/* Fill the rows of G in one strip. They are zero where the Gaussian does not reach; those outside
- * the strip's range are not used. */
+/* Fill the rows of G in one strip, with zeros where the Gaussian does not reach. Only the rows from
+ * lo to hi of p->strips are used. */
 static void fill_strip(painter *p, int strip) {
     int h = p->half;
     int first = strip * PAINTER_STRIP - h;

@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Parse a decimal integer in the range of the type. */
 bool value_int(const char *text, int *value);
 bool value_int64(const char *text, int64_t *value);
 bool value_uint64(const char *text, uint64_t *value);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checks of the socket and of the service behind it. */
+/* Checks of the socket, and of the service that listens on it. */
 #include "doctor/internal.h"
 #include "remote/status_text.h"
 #include "shear/version.h"

@@ -22,6 +22,7 @@ typedef struct quality_lines {
     const char *top_file; /* the file of `top_stamp`; NULL: unknown, or there is only one file */
 } quality_lines;
 
+/* Return the content of the lines for a result and its plan. */
 quality_lines quality_text_of(const shear_result *result, const shear_plan_info *plan);
 
 /* Print the lines "  level ..." and "  influence ..."; a line without known numbers is omitted. */

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 
+/* Print the result of a measured group. `settings` are those of the measurement. */
 void result_text_print(const measure_group *group, const shear_settings *settings, FILE *out);
 
 #endif

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 
+/* Print the report. */
 void validation_text_print(const sheard_validation_report *v, FILE *out);
 
 #endif

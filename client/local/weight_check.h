@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* weight_check.h: check whether WEIGHT depends on the stamps' brightness. Such weights bias the
- * shear (docs/method.md, "Which estimator, which weights"). */
+ * shear (docs/method.md section 7). */
 #ifndef CLIENT_LOCAL_WEIGHT_CHECK_H
 #define CLIENT_LOCAL_WEIGHT_CHECK_H
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The search for a usable stamp in a part of the file ends after so many stamps. */
+/* The search for a usable stamp in a part of the file ends after MAX_TRIES stamps. */
 enum { MAX_TRIES = 64 };
 
 int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,

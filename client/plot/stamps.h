@@ -16,6 +16,8 @@ typedef struct stamp_reader {
     shear_block *block; /* of one stamp pair, the one that was read last */
 } stamp_reader;
 
+/* Prepare to read stamps of `field`, which must outlive the reader. Returns SHEAR_OK or an error
+ * code. */
 int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,
                       shear_error *err);
 void stamp_reader_deinit(stamp_reader *b);

@@ -26,6 +26,7 @@ void connection_close(connection *c); /* NULL is accepted */
 /* Return the reply to `hello`, owned by the connection. */
 const sheard_msg_welcome *connection_welcome(const connection *c);
 
+/* Set the listener for notifications; NULL: they are dropped. */
 void connection_listen(connection *c, connection_listener *listener, void *context);
 
 /* Send a request and wait for the reply. `params` is as in sheard_request_line. *reply (to be

@@ -9,6 +9,7 @@
 /* Return whether standard input and output are a terminal with these features. */
 bool screen_possible(void);
 
+/* Switch to the alternate screen; restore the terminal. */
 void screen_begin(void);
 void screen_end(void);
 

@@ -54,6 +54,7 @@ typedef struct flaw {
 } flaw;
 
 extern const flaw flaws[];
+/* Return the number of flaws in the table. */
 int flaw_count(void);
 
 /* ---- one stamp pair ---- */

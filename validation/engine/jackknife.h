@@ -18,6 +18,7 @@ typedef struct jackknife_sums {
     shear_block_sums *sums; /* [n_series][groups] */
 } jackknife_sums;
 
+/* Create empty sums. Ends the program if out of memory. */
 jackknife_sums *jackknife_sums_new(int n_series, int groups);
 void jackknife_sums_free(jackknife_sums *s);
 /* Append the series of `more`, which has the same groups and galaxies. *s may be empty. */

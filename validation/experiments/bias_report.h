@@ -40,6 +40,7 @@ extern const char *const bias_kinds[]; /* enum shear_mock_galaxy */
 extern const char *const bias_psfs[];  /* enum shear_mock_psf */
 extern const char *const bias_noises[];
 
+/* Fill the run's table and draw its figure. */
 void bias_report(run *r, const lines *all);
 
 #endif

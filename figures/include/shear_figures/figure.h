@@ -99,6 +99,7 @@ typedef struct shear_axes {
     double left;              /* space left of the frame, pixels; 0: as the labels need */
 } shear_axes;
 
+/* Open axes in a cell; draw their frame, ticks, labels and legend, and close them. */
 void shear_axes_begin(shear_figure *figure, const shear_axes *axes);
 void shear_axes_end(shear_figure *figure);
 /* Return the frame's rectangle on the canvas, between _begin and _end. */

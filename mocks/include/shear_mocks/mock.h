@@ -118,6 +118,7 @@ typedef struct shear_mock_option {
     bool has_auto; /* "auto" is allowed (0 for ints, NaN for doubles) */
 } shear_mock_option;
 
+/* Return the table; *n becomes the number of its entries. */
 const shear_mock_option *shear_mock_options(size_t *n);
 /* Return the entry called `name`, or NULL. */
 const shear_mock_option *shear_mock_option_find(const char *name);
