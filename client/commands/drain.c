@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl drain: stop starting jobs, and stop the service when the running ones have ended. */
+/* shearctl drain: let the service finish the running jobs, and accept no new ones. */
 #include "remote/service_query.h"
 #include "remote/status_text.h"
 

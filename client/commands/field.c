@@ -111,7 +111,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         return code;
     p.field.field = argv[optind];
     if (!jobs && s.json) {
-        p.field.limit = 0; /* all files, which give the ranges of PSF radii and cores */
+        p.field.limit = 0; /* no contributions: only the text output needs them, for the ranges of
+                              PSF radii and cores */
     }
     code = service_answer(&s, SHEARD_METHOD_FIELD, &p, &reply);
     if (code == EXIT_CODE_DONE && !s.json)

@@ -98,7 +98,7 @@ static enum exit_code draw_catalog(shear_figure **figure, const plot_command *c,
     return code;
 }
 
-/* Draw the file; its kind is the one as which it can be opened. */
+/* Draw the file as a field file or as a catalog, whichever it can be opened as. */
 static enum exit_code draw(shear_figure **figure, const plot_command *c) {
     shear_error err = {0};
     shear_field *field = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl retry: run failed jobs again. */
+/* shearctl retry: run failed or cancelled jobs again. */
 #include "remote/service_query.h"
 
 static void print(const sheard_reply *reply, const service *s) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl version: print the versions of shearctl and its libraries. */
+/* shearctl version: print the version, and the compiler and libraries that were used. */
 #include "shear/version.h"
 #include "build_info.h"
 #include "cmdline/command.h"

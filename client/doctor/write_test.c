@@ -26,7 +26,7 @@ static bool become(const struct passwd *user) {
            setuid(user->pw_uid) == 0;
 }
 
-/* Try it in a child process, which can change its user. Returns 0 or errno. */
+/* Try to write in a child process, which changes to the user. Returns 0 or errno. */
 static int try_as(const struct passwd *user, const char *directory) {
     int status = 0;
     fflush(NULL); /* flush before fork: a sanitizer's _exit would write the child's copy of the

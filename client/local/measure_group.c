@@ -179,7 +179,7 @@ static int run_all(measure_group *g, const measure_options *o, measure_input **o
                : shear_jackknife_finish(to.jack, &g->result, err);
 }
 
-/* A field without a usable stamp is an error, but its counts are still shown. */
+/* Check the result. A field without a usable stamp is an error, but its counts are still shown. */
 static int check_result(const measure_group *g, shear_error *err) {
     char text[400];
     char advice[400];

@@ -63,8 +63,8 @@ static int n_ways(const bias_case *b) {
     return b->interpolated ? 2 : 1;
 }
 
-/* Return the number of stamps: fewer with interpolation, and with the point sources of W_B, which
- * are slow. */
+/* Return the number of stamps: fewer for the slow cases (interpolation, point sources of W_B) and
+ * for large shears. */
 static int64_t stamps_of(const options *o, const bias_case *b) {
     const bool slow =
         b->interpolated || b->large || (b->noise == SOURCES && b->psf == SHEAR_MOCK_PSF_B);

@@ -180,8 +180,8 @@ typedef struct shear_image {
     const char *x_label, *y_label; /* NULL: none; with ticks */
 } shear_image;
 
-/* Draw an image without smoothing; pixels are averaged if there are more than in the figure.
- * Overlays may be drawn as on axes, until shear_axes_end. */
+/* Draw an image without smoothing. If its pixels are smaller than those of the figure, they are
+ * averaged. Overlays may be drawn as on axes, until shear_axes_end. */
 void shear_image_begin(shear_figure *figure, const shear_image *image);
 
 #endif
