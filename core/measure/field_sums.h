@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/field_sums.h: the inside of a field's sums, for the files that make results of them. */
+/* measure/field_sums.h: the members of a field's exact sums, for the files that compute results. */
 #ifndef SHEAR_MEASURE_FIELD_SUMS_H
 #define SHEAR_MEASURE_FIELD_SUMS_H
 
@@ -13,7 +13,7 @@ struct shear_field_sums {
     shear_influence top;
 };
 
-/* A stamp's moments for a unit of its noise's power at high k; zeros if there is no noise. */
+/* The noise's moments per unit of its power at high k; zeros if there is no noise. */
 typedef struct noise_shape {
     double n1, n2, d, u, v;
 } noise_shape;

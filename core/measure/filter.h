@@ -6,30 +6,30 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The filter sampled on n s points a side, periodically centred on the stamp's centre ((n-1)/2, in
- * pixels), and where it is not zero. Values below 1e-16 are zero. */
+/* The filter sampled on n s points per side, centred periodically on the stamp's centre ((n-1)/2,
+ * in pixels), with the ranges where it is not zero. Values below 1e-16 are set to zero. */
 typedef struct filter_map {
     int nx, ny;               /* stamp, pixels */
     int s;                    /* samples per pixel */
     double *value;            /* [ny s][nx s] */
     int y0, y1;               /* rows outside [y0, y1) are zero */
     int *x0, *x1;             /* [ny s] columns outside [x0, x1) of a row are zero */
-    int *strip_y0, *strip_y1; /* rows outside [y0, y1) of strip i are zero: the columns from 8 i, or
-                                 the last 8 */
-    double *dx2, *row;        /* [nx s, padded] squares along x, scratch */
-    double core_px, width_px; /* what it holds; NaN: nothing yet */
+    int *strip_y0, *strip_y1; /* rows outside [y0, y1) of strip i are zero; its columns begin at 8
+                                 i, the last strip's 8 before the end */
+    double *dx2, *row;        /* [nx s, padded] scratch: squared distances along x; one row */
+    double core_px, width_px; /* what the map holds; NaN: nothing yet */
     double sum;               /* of all values */
 } filter_map;
 
-bool filter_map_init(filter_map *m, int nx, int ny, int s); /* false when memory is out */
+bool filter_map_init(filter_map *m, int nx, int ny, int s); /* false if out of memory */
 void filter_map_deinit(filter_map *m);
 
-/* Fill it: 1 for r <= core, exp(-((r-core)/width)^2 / 2) beyond. Does nothing where it holds that
- * already. */
+/* Fill the map: 1 for r <= core, exp(-((r-core)/width)^2 / 2) beyond. Does nothing if the map
+ * already holds this filter. */
 void filter_map_fill(filter_map *m, double core_px, double width_px);
 
-/* The core of filter=edge: fallen to 1e-3 at the nearest edge, (min(nx,ny)-1)/2 from the centre.
- * May be negative. */
+/* Return the core of filter=edge: the filter has fallen to 1e-3 at the nearest edge,
+ * (min(nx,ny)-1)/2 from the centre. May be negative. */
 double filter_edge_core(int nx, int ny, double width_px);
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/high_power.h: the power of a pair at the wave numbers where no galaxy has any: what is
- * left there is the noise under galaxy and noise stamp (docs/method.md, section 5). Two bands, |k|
- * from 3/4 of Nyquist to Nyquist, and the corners beyond it. Rows jy = ny/2 are left out: they
- * would cost a group of their own. Large stamps have more modes than are needed, and not all groups
- * of rows are read: the last one, and from the first on as many as make MODES. Only without
- * interpolation.
- */
+/* measure/high_power.h: the power of a pair at wave numbers where no galaxy has any.
+ *
+ * What is left there is the noise of the galaxy and the noise stamp (docs/method.md, section 5).
+ * There are two bands: |k| from 3/4 of Nyquist to Nyquist, and the corners beyond it. Rows jy =
+ * ny/2 are left out, because they would need a group of their own. Large stamps have more modes
+ * than are needed; then only the last group of rows is read, and as many from the first on as
+ * contain MODES modes. Only without interpolation. */
 #ifndef SHEAR_MEASURE_HIGH_POWER_H
 #define SHEAR_MEASURE_HIGH_POWER_H
 
@@ -14,16 +14,18 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Which modes count, and how much: a mode stands for its mirror image, too. Immutable. */
+/* The modes that count, and their weights (2 if a mode stands for its mirror image, too).
+ * Immutable. */
 typedef struct high_band {
     int nx, ny;
-    int last_group; /* of rows */
+    int last_group; /* last group of rows */
     size_t stride;
-    int *first_jx;  /* [last_group + 1] modes of a group that count have |jx| at least this; beyond
-                       nx/2: none counts */
-    double *edge;   /* [nx][stride] of modes 3/4 of Nyquist <= |k| < Nyquist; NULL: only corners */
-    double *corner; /* [nx][stride] of modes beyond */
-    double n_edge, n_corner; /* modes of the whole plane in each */
+    int *first_jx;  /* [last_group + 1] the smallest |jx| that counts in a group; beyond nx/2: none
+                       counts */
+    double *edge;   /* [nx][stride] weights of modes 3/4 of Nyquist <= |k| < Nyquist; NULL: corners
+                       only */
+    double *corner; /* [nx][stride] weights of modes beyond Nyquist */
+    double n_edge, n_corner; /* number of modes in each band, in the whole plane */
 } high_band;
 
 /* Sums of |F|^2 over the modes. */
@@ -31,7 +33,7 @@ typedef struct high_power {
     double edge_galaxy, edge_noise, corner_galaxy, corner_noise;
 } high_power;
 
-/* false when memory is out; deinit is safe then too, and on zeros. */
+/* Return false if out of memory; high_band_deinit is safe then, too, and on an all-zero band. */
 bool high_band_init(high_band *b, int nx, int ny, bool corners_only);
 void high_band_deinit(high_band *b);
 size_t high_band_bytes(int nx, int ny, bool corners_only);
@@ -39,12 +41,12 @@ static inline bool high_band_is_set(const high_band *b) {
     return b->corner != NULL;
 }
 
-/* Does any mode of a group count? */
+/* Return whether any mode of a group counts. */
 static inline bool high_band_wants(const high_band *b, int group) {
     return high_band_is_set(b) && group <= b->last_group && b->first_jx[group] <= b->nx / 2;
 }
 
-/* Add what the rows of one such group hold. */
+/* Add the modes of one such group. */
 void high_power_add(high_power *p, const high_band *b, const mode_rows *rows);
 
 #endif

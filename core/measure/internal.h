@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/internal.h: what a plan and a workspace hold, for the files that execute them. */
+/* measure/internal.h: the members of a plan and a workspace, for the files that execute them. */
 #ifndef SHEAR_MEASURE_INTERNAL_H
 #define SHEAR_MEASURE_INTERNAL_H
 
@@ -17,50 +17,52 @@
 struct shear_plan {
     shear_settings settings;
     shear_plan_info info;
-    surface_grid grid;           /* stamps to the fine grid */
-    fft_plan *along_x, *along_y; /* fine_nx, fine_ny */
+    surface_grid grid;           /* from stamps to the fine grid */
+    fft_plan *along_x, *along_y; /* lengths fine_nx and fine_ny */
     transfer_plan transfer_plan;
     bool has_psf; /* `transfer` serves all stamps */
     transfer transfer;
     bool filtered;           /* info.filter is not NONE */
     filter_map fine, coarse; /* the filter on both grids, unless it differs from stamp to stamp;
-                                coarse only where it is another grid */
-    high_band high;          /* where the noise level is read off */
-    plateau plateau;         /* where shot_noise is PLATEAU */
-    moments flat;            /* what `transfer` makes of it */
-    sharpness sharpness;     /* of the one PSF, where there is one */
+                                coarse only if it is another grid */
+    high_band high;          /* the modes of the noise level */
+    plateau plateau;         /* if shot_noise is PLATEAU */
+    moments flat;            /* moments of a flat power of 1 under `transfer` */
+    sharpness sharpness;     /* of the field's one PSF, if there is one */
 };
 
-/* The settings of the request, or the defaults. */
+/* Return the settings of the request, or the defaults. */
 shear_settings plan_settings(const shear_plan_request *request);
-/* Fill *info; *psf_factor: how much finer the PSF's samples are made. `set`: plan_settings. */
+/* Fill *info and *psf_factor, by which the PSF's samples are refined. `set` comes from
+ * plan_settings. Errors as of shear_plan_new. */
 int plan_resolve(shear_plan_info *info, const shear_settings *set,
                  const shear_plan_request *request, int *psf_factor, shear_error *err);
 
 struct shear_workspace {
     surface galaxy, noise;
-    fft_lanes strip;              /* [fine_ny + 1][FFT_LANES] galaxy + i noise, some columns */
-    fft_lanes lanes[3];           /* [longer side + 1][FFT_LANES] for transforms */
-    double level, noise_level;    /* taken off the pair before the filter; 0: nothing */
-    double *modes;                /* the pair, transformed along y: see pack.c */
-    size_t lane_size;             /* of its parts */
-    filter_map fine, coarse;      /* where the filter differs from stamp to stamp */
-    transfer_scratch psf_scratch; /* where each stamp has its own PSF */
+    fft_lanes strip;    /* [fine_ny + 1][FFT_LANES] galaxy + i noise, a strip of columns */
+    fft_lanes lanes[3]; /* [longer side + 1][FFT_LANES] for transforms */
+    double level,
+        noise_level;  /* subtracted from galaxy and noise stamp before the filter; 0: nothing */
+    double *modes;    /* the pair, transformed along y: see pack.c */
+    size_t lane_size; /* size of one part of `modes` */
+    filter_map fine, coarse;      /* if the filter differs from stamp to stamp */
+    transfer_scratch psf_scratch; /* if each stamp has its own PSF */
     transfer transfer;
-    double
-        strip_most[SHEAR_MAX_SIDE / FFT_LANES]; /* brightest pixels of the galaxy stamp's strips */
-    sharpness sharpness;                        /* where each stamp has its own PSF: ... */
-    const double *sharpness_of;                 /* ... of this one, as below */
+    double strip_most[SHEAR_MAX_SIDE /
+                      FFT_LANES]; /* brightest pixel of each strip of the galaxy stamp */
+    sharpness sharpness;          /* if each stamp has its own PSF: ... */
+    const double *sharpness_of;   /* ... of this image, in this batch; NULL: none */
     const double
-        *transfer_of; /* the PSF image `transfer` was made from in this batch; NULL: none */
+        *transfer_of; /* the PSF image that `transfer` was made from, in this batch; NULL: none */
 };
 
-/* The packed pair of one stamp on the fine grid, filtered, transformed along y into ws->modes for
- * the groups of rows of modes that a measurement with `t` wants; and what its pixels tell (always).
- * False where a log method meets a negative pixel: (x, y), in the noise stamp if in_noise. Where a
- * background is taken off, the galaxy stamp loses the noise stamp's mean, and that its own level
- * (photometry_level); with `own_levels` (of two noise stamps) so does the other.
- */
+/* Pack a pair as galaxy + i noise on the fine grid, filter it, and transform it along y into
+ * ws->modes, for the groups of rows of modes that a measurement with `t` needs. Always fill *ph,
+ * the photometry of the pixels. If the background is subtracted, the galaxy stamp loses the noise
+ * stamp's mean, and the noise stamp its own level (photometry_level); with `own_levels` (for two
+ * noise stamps) each loses its own. Return false if a log method meets a negative pixel: *failure
+ * says where. */
 typedef struct pack_failure {
     int x, y;
     bool in_noise;
@@ -68,22 +70,22 @@ typedef struct pack_failure {
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
                const double *galaxy, const double *noise, bool own_levels, const transfer *t,
                photometry *ph, pack_failure *failure);
-/* One of these groups transformed along x, too; until the next call. */
+/* Transform one of these groups along x, too. The rows are valid until the next call. */
 mode_rows pack_transform_rows(const shear_plan *plan, shear_workspace *ws, int group);
-/* The last group that a measurement with `t` needs: for a plateau or the noise level, all of them.
- */
+/* Return the last group that a measurement with `t` needs; for a plateau or the noise level, that
+ * may lie beyond t's own. */
 int mode_groups_last(const shear_plan *plan, const transfer *t);
 bool mode_groups_want(const shear_plan *plan, const transfer *t, int group);
 
-/* Both maps, empty; coarse only where it is another grid. False when memory is out. */
+/* Make both maps, empty; coarse only if it is another grid. Return false if out of memory. */
 bool plan_init_filters(filter_map *fine, filter_map *coarse, const shear_plan_info *info);
-/* Noise stamps per galaxy. */
+/* Return the number of noise stamps per galaxy. */
 static inline int noise_planes(const shear_stamps *stamps) {
     return stamps->noise_planes > 1 ? stamps->noise_planes : 1;
 }
 
-/* The filter and the transfer of stamp i; NULL filter: none. Flags in *flags where they cannot be
- * had. */
+/* Choose the filter and the transfer of stamp i. A NULL filter means none. If one cannot be made,
+ * set the reason in *flags. */
 void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                            int i, const filter_map **fine, const filter_map **coarse,
                            uint32_t *flags);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/memory.h: what plans and workspaces take, from their numbers alone: nothing need be made
- * to know it. A test counts what malloc gives them, so that this and the *_init functions agree. */
+/* measure/memory.h: the memory of plans and workspaces, computed without making them.
+ *
+ * A unit test compares the numbers with what malloc hands out, so that they agree with the *_init
+ * functions. */
 #ifndef SHEAR_MEASURE_MEMORY_H
 #define SHEAR_MEASURE_MEMORY_H
 
@@ -8,19 +10,19 @@
 
 #include <stdbool.h>
 
-/* The numbers. */
+/* The numbers that decide the sizes. */
 typedef struct memory_of {
     const shear_settings *settings;
     const shear_plan_info *info; /* resolved */
-    bool has_psf;                /* one for all stamps */
+    bool has_psf;                /* one transfer for all stamps */
 } memory_of;
 
 int64_t memory_of_plan(const memory_of *m);
-/* While the plan is made: beside it. */
+/* Bytes needed while the plan is made, in addition to the plan's own. */
 int64_t memory_of_planning(const memory_of *m);
-/* The last row of modes that any transfer may let through. */
+/* Return the last row of modes that any transfer may use. */
 int memory_last_row(const shear_plan_info *info);
-/* One workspace; rows of modes 0 .. last_jy are kept. */
+/* Bytes of one workspace that keeps rows of modes 0 .. last_jy. */
 int64_t memory_of_workspace(const memory_of *m, int last_jy);
 
 #endif

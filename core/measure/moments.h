@@ -16,29 +16,29 @@ typedef struct moments {
     double m20, m02, m11, m4, u, v;
 } moments;
 
-/* FFT_LANES rows of modes and their mirror images, as they come from a transform along x: lane l of
- * up is row jy = FFT_LANES group + l, of down row -jy; both [nx + 1][FFT_LANES], where element jx <
- * 0 is at nx + jx, and 0 at nx, too. */
+/* FFT_LANES rows of modes and their mirror images, as a transform along x leaves them. Lane l of
+ * `up` is row jy = FFT_LANES group + l, lane l of `down` is row -jy. Both are [nx + 1][FFT_LANES]:
+ * element jx < 0 is at nx + jx, and element 0 is at nx, too. */
 typedef struct mode_rows {
     fft_lanes up, down;
-    int nx; /* fine */
+    int nx; /* columns of the fine grid */
     int group;
 } mode_rows;
 
-/* Add what the rows of one group hold; the groups are 0 .. t->jy / FFT_LANES. `noise`: of the noise
- * stamp alone; NULL where it is not wanted. */
+/* Add the modes of one group; groups are 0 .. t->jy / FFT_LANES. `noise` gets the moments of the
+ * noise stamp alone, or is NULL. */
 void moments_add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
                  const transfer *t);
-/* The same of the cross spectrum. */
+/* The same for the cross spectrum. */
 void moments_add_cross(moments *m, const mode_rows *rows, const transfer_plan *p,
                        const transfer *t);
 
-/* The moments of a power that is 1 at every mode. */
+/* Return the moments of a power that is 1 at every mode. */
 moments moments_of_flat(const transfer_plan *p, const transfer *t);
 /* m += factor other */
 void moments_join(moments *m, double factor, const moments *other);
 
-/* The corrected power of mode (jx, FFT_LANES group + lane). For pictures. */
+/* Return the corrected power of mode (jx, FFT_LANES group + lane). For images only. */
 double moments_power(const mode_rows *rows, int jx, int lane);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/monotone.h: functions that fall through 0, steps and all. */
+/* measure/monotone.h: the root of a decreasing function, which may have steps. */
 #ifndef SHEAR_MEASURE_MONOTONE_H
 #define SHEAR_MEASURE_MONOTONE_H
 
@@ -8,7 +8,7 @@ typedef struct monotone {
     void *context;
 } monotone;
 
-/* The root between `low`, where the function is above 0, and `high`, where it is not: false
+/* Find the root between `low`, where the function is > 0, and `high`, where it is <= 0: false
  * position with the Illinois rule, until two steps differ by less than `tolerance`. */
 double monotone_find_root(const monotone *f, double low, double high, double tolerance);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/plateau.h: the flat power of shot noise, read off where a galaxy has none (Zhang, Luo &
- * Foucaud 2015): the mean over the modes with |k| > 3/4 of Nyquist, the stamp's corners included.
- * Only without interpolation: that would colour white noise.
- */
+/* measure/plateau.h: the flat power of shot noise, measured where a galaxy has no power.
+ *
+ * It is the mean over the modes with |k| > 3/4 of Nyquist, the corners included (Zhang, Luo &
+ * Foucaud 2015). Only without interpolation, which would colour white noise. */
 #ifndef SHEAR_MEASURE_PLATEAU_H
 #define SHEAR_MEASURE_PLATEAU_H
 
@@ -11,22 +11,22 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The share of each mode in the mean: 1/n, 2/n where it stands for its mirror image, too, or 0. */
+/* The share of each mode in the mean: 1/n, 2/n if it stands for its mirror image, too, or 0. */
 typedef struct plateau {
     int nx, ny;
-    int last_group; /* of rows */
+    int last_group; /* last group of rows */
     size_t stride;
     double *share; /* [nx][stride] jy = 0 .. ny/2 */
-    double n;      /* modes of the whole plane that count */
+    double n;      /* number of modes of the whole plane that count */
 } plateau;
 
 bool plateau_init(plateau *p, int nx,
-                  int ny); /* false when memory is out; deinit is safe then too */
+                  int ny); /* false if out of memory; plateau_deinit is safe then, too */
 void plateau_deinit(plateau *p);
 
-/* What the rows of one group hold of it; the groups are 0 .. last_group. */
+/* Return the part of the mean that the rows of one group hold; groups are 0 .. last_group. */
 double plateau_part(const plateau *p, const mode_rows *rows);
-/* The same of the noise stamp alone. */
+/* The same for the noise stamp alone. */
 double plateau_of_noise(const plateau *p, const mode_rows *rows);
 
 #endif

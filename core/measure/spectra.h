@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/spectra.h: all that the modes of a packed pair tell, in one pass over their rows. */
+/* measure/spectra.h: all that is summed over the modes of a packed pair, in one pass over their
+ * rows. */
 #ifndef SHEAR_MEASURE_SPECTRA_H
 #define SHEAR_MEASURE_SPECTRA_H
 
@@ -9,22 +10,23 @@ typedef struct spectra {
     moments difference; /* galaxy minus noise */
     moments noise, cross;
     high_power high;
-    double shot, noise_shot; /* plateaus of difference and noise: not yet taken off */
+    double shot, noise_shot; /* plateaus of difference and noise, not yet subtracted */
     double flux;             /* of the filtered pair */
 } spectra;
 
-/* docs/method.md, step 4, of the pair that pack_pair has left in ws: the rows of modes that the
- * transfer lets through, and for the noise's power the others, too. */
+/* Sum over the modes (docs/method.md, section 4) of the pair that pack_pair has left in ws: the
+ * rows that the transfer lets through, and those that the noise's power needs. */
 spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *t);
 
-/* Further noise stamps, two as a pair: `share` (1, or 1/2 of one that was taken twice) of their
- * noise is added to that of `all`. */
+/* Add the noise of a pair of further noise stamps to that of `all`, times `share` (1, or 1/2 if one
+ * stamp was packed twice). */
 void spectra_add_noise(spectra *all, const spectra *pair, double share);
-/* The mean of the n noise stamps whose sum is in `all` takes the place of that in *s. */
+/* Replace the noise of *s by the mean of the n noise stamps whose sum is in `all`. */
 void spectra_set_noise(spectra *s, const spectra *all, int n);
-/* Of noise stamps without noise: what they have is their mean's, and what transforms round. */
+/* Set the noise to 0, for noise stamps without noise: their spectra hold only their mean and the
+ * rounding of transforms. */
 void spectra_forget_noise(spectra *s);
-/* Shot noise off the difference, where the plan asks for it. */
+/* Subtract the shot noise's plateau from the difference, if the plan says so. */
 void spectra_subtract_plateau(spectra *s, const shear_plan *plan, const transfer *t);
 
 #endif
