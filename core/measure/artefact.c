@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* First what is quick: the extremes of the pixels, which the photometry has anyway, and where a
- * strip of columns has a bright one, a look at its pixels with the smallest threshold there may be.
- * Only a stamp that this leaves under suspicion is looked at pixel by pixel. */
+/* Fast tests come first: the extremes of the pixels, which the photometry has anyway, and, if a
+ * strip of columns has a bright pixel, a scan of the strip with the smallest threshold possible.
+ * Only a stamp that remains suspect is tested pixel by pixel. */
 #include "measure/artefact.h"
 
 #include "base/simd.h"
@@ -11,32 +11,34 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double bright_sigma = 6.5;   /* of p - r m: 3e-7 in 64 x 64 px of white noise */
-static const double dark_sigma = 6.6;     /* 2e-7 */
-static const double part_of_pixel = 0.03; /* by which a PSF image may be wrong */
-static const double part_of_peak = 1e-3;  /* what rounding and periods leave in faint places */
-static const double dark_part = 0.01;     /* of the peak: negative wings, interpolated or aliased */
-static const double sky_electrons = 5.0;  /* the least that a pixel's noise is taken for */
+static const double bright_sigma =
+    6.5; /* of p - r m: 3e-7 false alarms in 64 x 64 px of white noise */
+static const double dark_sigma = 6.6;     /* 2e-7, likewise */
+static const double part_of_pixel = 0.03; /* relative error of a PSF image that is tolerated */
+static const double part_of_peak = 1e-3;  /* rounding and periodicity in faint places */
+static const double dark_part =
+    0.01; /* of the peak: negative wings from interpolation or aliasing */
+static const double sky_electrons = 5.0; /* the smallest noise of a pixel that is assumed */
 static const double sigma_of_mad = 1.4826;
 
 static double white_gain(double ratio) {
     return sqrt(1.0 + 0.5 * ratio * ratio);
 }
 
-/* The most that a border pixel may be of the one inside it, q: a Gaussian's ratio, whose centre is
- * 1.5 px outside, and more than a Moffat's anywhere. */
+/* Largest ratio of a border pixel to the pixel inside it, q: that of a Gaussian whose centre is 1.5
+ * px outside, which is more than a Moffat's anywhere. */
 static double steepest(double ratio) {
     return ratio * fmax(4.0, ratio * ratio * ratio);
 }
 
-/* The noise of p - steepest q over that of p - r m, as of light half as steep: what a PSF makes is
- * no steeper, and then q has more of it than that takes off. */
+/* Noise of p - steepest q over that of p - r m, for light half as steep: the light of a PSF is no
+ * steeper than `steepest`, and if it is less steep, q holds more of it than is needed. */
 static double gain_at_border(double ratio) {
     return hypot(1.0, 0.5 * steepest(ratio)) / white_gain(ratio);
 }
 
-/* Across the border there is no mean: the pixel inside it, in a corner the darker of the two;
- * INFINITY where (x, y) is no border pixel. */
+/* Across the border there is no mean. Return the pixel inside it, in a corner the darker of the
+ * two; INFINITY if (x, y) is not a border pixel. */
 static double inside_border(const double *pixels, int nx, int ny, int x, int y) {
     const double *p = pixels + (size_t)y * (size_t)nx + (size_t)x;
     const double row = x == 0 ? p[1] : x == nx - 1 ? p[-1] : INFINITY;
@@ -62,7 +64,8 @@ size_t artefact_border(const double *pixels, int nx, int ny, double *values) {
     return n;
 }
 
-/* Median of the one-pixel border, and the noise that the median deviation from it stands for. */
+/* Set *middle to the median of the one-pixel border, and *sigma to the noise that corresponds to
+ * the median deviation from it. */
 static void look_at_border(const double *pixels, int nx, int ny, double *middle, double *sigma) {
     double values[4 * SHEAR_MAX_SIDE];
     const size_t n = artefact_border(pixels, nx, ny, values);
@@ -96,7 +99,7 @@ static SHEAR_INLINE double largest(const double *lanes) {
     return ab > cd ? ab : cd;
 }
 
-/* The brightest pixel of n rows of a strip. */
+/* Return the brightest pixel of n rows of a strip. */
 static SHEAR_INLINE double brightest(const double *rows, size_t nx, size_t n) {
     double best[FFT_LANES];
     for (size_t l = 0; l < FFT_LANES; l++)
@@ -109,9 +112,9 @@ static SHEAR_INLINE double brightest(const double *rows, size_t nx, size_t n) {
     return largest(best);
 }
 
-/* The largest (1 - part_of_pixel) p - r max(m, sky) of n rows of a strip, none of them the stamp's
- * first or last. Beyond its left and right border the pixel of another row is taken for a
- * neighbour: where that is wrong, m comes out too small. */
+/* Return the largest (1 - part_of_pixel) p - r max(m, sky) of n rows of a strip, none of them the
+ * stamp's first or last. Next to the left and right border, a pixel of another row serves as the
+ * neighbour; if that is wrong, m is too small. */
 static SHEAR_INLINE double most_over_mean(const double *rows, size_t nx, size_t n, double r,
                                           double sky) {
     const double own = 1.0 - part_of_pixel;
@@ -136,8 +139,8 @@ static SHEAR_INLINE double most_over_mean(const double *rows, size_t nx, size_t 
     return largest(best);
 }
 
-/* The largest (1 - part_of_pixel) p - r m of a strip, p and m above the sky; only rows near a pixel
- * brighter than `bright` are looked at. */
+/* Return the largest (1 - part_of_pixel) p - r m of a strip, p and m above the sky. Only rows near
+ * a pixel brighter than `bright` are read. */
 SHEAR_SIMD static double stand_out(const double *strip, size_t nx, size_t ny, double r, double sky,
                                    double bright) {
     enum { ROWS = 8 };
@@ -153,8 +156,8 @@ SHEAR_SIMD static double stand_out(const double *strip, size_t nx, size_t ny, do
     return most + (r - (1.0 - part_of_pixel)) * sky;
 }
 
-/* Is border pixel (x, y) too bright beside those along the border, or inside it? bright: for the
- * former. */
+/* Return whether border pixel (x, y) is too bright relative to its neighbours along the border
+ * (threshold `bright`) or to the pixel inside it. */
 static bool border_pixel_stands_out(const artefact_pair *pair, int x, int y, double r,
                                     double bright) {
     const double sky = pair->ph->noise_mean;
@@ -169,7 +172,7 @@ static bool border_pixel_stands_out(const artefact_pair *pair, int x, int y, dou
            p - steepest(r) * fmax(0.0, q) > bright * gain_at_border(r);
 }
 
-/* Is one of the border's in columns [x0, x0 + FFT_LANES)? */
+/* Return whether a border pixel in columns [x0, x0 + FFT_LANES) is too bright. */
 static bool border_stands_out(const artefact_pair *pair, int x0, double r, double bright) {
     const int last = pair->nx - 1;
     bool found = false;
@@ -212,22 +215,22 @@ bool artefact_suspected(const artefact_pair *pair, const sharpness *s) {
 
 /* ---- pixel by pixel ---- */
 
-/* An image, and what its pixels are held against. */
+/* An image, and the limits for its pixels. */
 typedef struct stamp_test {
     const double *pixels;
     int nx, ny;
     double ratio;
-    double sky, low_sky; /* of the noise stamp; where the image's border has less, that */
-    double sigma, gain;  /* gain: of p - r m over that of a pixel */
-    double allowance;    /* beside all that scales with noise or pixel */
-    double dark;         /* the lowest that a pixel may be */
+    double sky, low_sky; /* of the noise stamp; low_sky: of the image's border, if that is less */
+    double sigma, gain;  /* gain: noise of p - r m over that of a pixel */
+    double allowance;    /* the part that scales with neither noise nor pixel */
+    double dark;         /* the lowest value allowed */
 } stamp_test;
 
 static double pixel(const stamp_test *t, int x, int y) {
     return t->pixels[(size_t)y * (size_t)t->nx + (size_t)x];
 }
 
-/* The smaller of the two means; INFINITY in a corner. */
+/* Return the smaller of the two means; INFINITY in a corner. */
 static double around(const stamp_test *t, int x, int y) {
     const bool inside_x = x > 0 && x < t->nx - 1;
     const bool inside_y = y > 0 && y < t->ny - 1;
@@ -236,14 +239,14 @@ static double around(const stamp_test *t, int x, int y) {
     return fmin(row, column);
 }
 
-/* By how much a pixel is brighter than m allows; sigma: the noise of their difference. */
+/* Return by how much a pixel is brighter than m allows. sigma: the noise of their difference. */
 static double too_bright(const stamp_test *t, double p, double m, double sigma) {
     const double bright =
         (1.0 - part_of_pixel) * (p - t->sky) - m - bright_sigma * sigma - t->allowance;
     return isnan(bright) ? -INFINITY : bright;
 }
 
-/* By how much pixel (x, y) is too bright or too dark; <= 0: it is not. */
+/* Return by how much pixel (x, y) is too bright or too dark; <= 0: it is neither. */
 static double excess(const stamp_test *t, int x, int y) {
     const double p = pixel(t, x, y);
     const double m = t->ratio * fmax(0.0, around(t, x, y) - t->low_sky);
@@ -258,7 +261,8 @@ static double excess(const stamp_test *t, int x, int y) {
     return most;
 }
 
-/* Variances over the inside of an image: of its pixels, and of p - r m along rows and columns. */
+/* Return the larger scatter of p - r m, along rows or columns, over that of the pixels, inside an
+ * image. */
 static double measured_gain(const double *pixels, int nx, int ny, double sky, double r) {
     double own = 0.0;
     double rows = 0.0;
@@ -277,7 +281,8 @@ static double measured_gain(const double *pixels, int nx, int ny, double sky, do
     return sqrt(fmax(rows, columns) / own);
 }
 
-/* Noise that is sharper than white lets p - r m scatter more; what is softer is taken for white. */
+/* Return the gain. Noise that is sharper than white makes p - r m scatter more; softer noise is
+ * treated as white. */
 static double gain_of(const artefact_pair *pair, double ratio) {
     const double gain = measured_gain(pair->noise, pair->nx, pair->ny, pair->ph->noise_mean, ratio);
     return fmax(white_gain(ratio), isfinite(gain) ? gain : 0.0);

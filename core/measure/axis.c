@@ -12,8 +12,8 @@ static axis_weights linear_weights(double t) {
     return (axis_weights){.a = 1.0 - t, .b = t};
 }
 
-/* Cubic Hermite basis: what eq. (15) of Zhang (2010) and its derivatives at the cell's ends amount
- * to in one dimension. */
+/* Cubic Hermite basis: eq. (15) of Zhang (2010), and its derivatives at the cell's ends, in one
+ * dimension. */
 static axis_weights hermite_weights(double t) {
     const double u = 1.0 - t;
     return (axis_weights){.a = (1.0 + 2.0 * t) * u * u,
@@ -123,7 +123,7 @@ void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int 
         cubic_slopes(ax->n, f, e, stride, lanes);
     } else if (ax->kind == AXIS_SPLINE) {
         spline_slopes(ax->pivot, ax->n, f, e, stride, lanes);
-    } else { /* weighed with 0, and so must be numbers */
+    } else { /* their weights are 0, but they must be finite */
         for (int i = 0; i < ax->n; i++)
             memset(e + (size_t)i * stride, 0, (size_t)lanes * sizeof *e);
     }

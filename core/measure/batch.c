@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Stamps in memory, measured by a team of threads. */
+/* Measure stamps in memory with a team of OpenMP threads. */
 #include "base/cleanup.h"
 #include "measure/internal.h"
 
 #include <omp.h>
 #include <stdlib.h>
 
-/* Blocks of the batch are handed out to the threads of the team; every row depends on its stamp
- * alone. */
+/* Distribute the blocks of the batch over the team. Every row depends on its stamp alone. */
 static int measure_blocks(const shear_plan *plan, const shear_stamps *stamps, int threads,
                           shear_workspace *const *ws, shear_row *rows, shear_error *err) {
     const int blocks = (stamps->count + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
@@ -33,7 +32,7 @@ static int measure_blocks(const shear_plan *plan, const shear_stamps *stamps, in
     return code;
 }
 
-/* One per thread. */
+/* One workspace per thread. */
 typedef struct workspaces {
     shear_workspace **each; /* [n] */
     int n;

@@ -7,17 +7,18 @@ void shear_block_sums_init(shear_block_sums *b) {
     *b = (shear_block_sums){0};
 }
 
-/* Neumaier's compensated summation: what each addition rounds off is gathered in lo. */
+/* Neumaier's compensated summation: lo accumulates what each addition rounds off. */
 static void add_term(shear_block_sums *b, int term, double x) {
     const double sum = b->hi[term] + x;
     b->lo[term] += fabs(b->hi[term]) >= fabs(x) ? (b->hi[term] - sum) + x : (x - sum) + b->hi[term];
     b->hi[term] = sum;
 }
 
-/* N and D up to its root, summed over 1e10 stamps and multiplied with each other, stay finite. */
+/* Limit of a term: sums over 1e10 stamps of N and D up to its square root, and products of such
+ * sums, stay finite. */
 static const double largest_term = 1e280;
 
-/* w x, the parts of a shear. */
+/* Fill x with w times the components of a row. */
 static void weigh_components(const shear_row *row, double *x) {
     const double parts[SHEAR_N_COMPONENTS] = {
         [SHEAR_C_N1] = row->n1,

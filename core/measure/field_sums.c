@@ -11,11 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The text form: "shear-sums 2", then n_stamps, n_used, how many flags and their counts, how many
- * terms and they, and the stamp that counts most: blank-separated. Flags and terms that are not
- * there are 0. */
+/* The text form: "shear-sums 2", n_stamps, n_used, the number of flags and their counts, the number
+ * of terms and the terms, and the stamp that counts most, separated by blanks. Flags and terms that
+ * are missing are 0. */
 static const char magic[] = "shear-sums 2";
-/* That of version 0.1: 8 flags and these terms, without how many. */
+/* The text form of version 0.1: 8 flags and these terms, without their numbers. */
 static const char old_magic[] = "shear-sums 1";
 enum { OLD_FLAGS = 8 };
 #define PRODUCT(i, j) ((int)SHEAR_S_PRODUCT + (j) * ((j) + 1) / 2 + (i))
@@ -59,7 +59,7 @@ void shear_field_sums_free(shear_field_sums *f) {
     }
 }
 
-/* The larger one, whichever comes first; not known where one of both is not. */
+/* Return the larger influence, in either order; unknown if one of them is. */
 static shear_influence larger(shear_influence a, shear_influence b) {
     if (isnan(a.size) || isnan(b.size))
         return (shear_influence){.size = NAN, .stamp = -1};
@@ -137,7 +137,7 @@ int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error 
     return SHEAR_OK;
 }
 
-/* The next blank-separated word of *rest, which is cut out of it; NULL at the end. */
+/* Cut the next blank-separated word out of *rest; NULL at the end. */
 static char *next_word(char **rest) {
     return strsep(rest, " ");
 }
@@ -154,7 +154,7 @@ static bool read_flags(shear_field_sums *f, int64_t n, char **rest) {
     return good;
 }
 
-/* `where`: the terms that they are, or NULL: the first ones. */
+/* Read n terms. `where` says which they are; NULL: the first ones. */
 static bool read_terms(shear_field_sums *f, int64_t n, const int *where, char **rest) {
     bool good = n <= SHEAR_N_TERMS;
     for (int i = 0; good && i < (int)n; i++) {
@@ -164,8 +164,8 @@ static bool read_terms(shear_field_sums *f, int64_t n, const int *where, char **
     return good;
 }
 
-/* Could the sums have such a stamp? No file holds more of them than bytes. A part of a field may
- * have less stamps than its stamps' numbers. */
+/* Return whether the sums may have this top stamp. A file cannot hold more stamps than bytes. The
+ * sums of a part of a field may have fewer stamps than the stamp's number. */
 static bool top_is_possible(const shear_field_sums *f) {
     static const int64_t most = INT64_MAX / (SHEAR_MIN_SIDE * SHEAR_MIN_SIDE);
     const shear_influence top = f->top;
@@ -182,7 +182,7 @@ static bool read_top(shear_field_sums *f, char **rest) {
            text_to_int64(stamp, &f->top.stamp) && top_is_possible(f);
 }
 
-/* NULL, or which part of the text is wrong. */
+/* Return NULL, or the name of the part of the text that is wrong. */
 static const char *read_text(shear_field_sums *f, bool old, char *rest) {
     int64_t n_flags = OLD_FLAGS;
     int64_t n_terms = N_OLD_TERMS;
@@ -202,7 +202,7 @@ static const char *read_text(shear_field_sums *f, bool old, char *rest) {
     return rest == NULL ? NULL : "what follows them";
 }
 
-/* What follows the magic word, to *out. */
+/* Parse the text behind the magic word into *out. */
 static int parse_rest(shear_field_sums **out, bool old, const char *text, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *f = NULL;
     CLEANUP(release_free) char *copy = strdup(text);

@@ -9,11 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double zero_below = 1e-16; /* less than the rounding of what it multiplies */
+static const double zero_below = 1e-16; /* below the rounding of what it multiplies */
 static const double edge_value = 1e-3;
 
-/* Distance in pixels of fine point `fine` from the centre of n pixels, along one axis of the
- * periodic grid. */
+/* Return the distance in pixels of fine point `fine` from the centre of n pixels, along one axis of
+ * the periodic grid. */
 static double from_centre(int fine, int n, int s) {
     const double d = (double)fine / s - 0.5 * (n - 1);
     return d > 0.5 * n ? d - n : d;
@@ -55,9 +55,9 @@ void filter_map_deinit(filter_map *m) {
     *m = (filter_map){0};
 }
 
-/* The row at dy^2 from the centre, `padded` points of it: whole vectors, so that points at the same
- * distance have the same value to the last bit. Beyond 37 widths it has long been zero, and exp
- * would underflow, which is slow. */
+/* Compute the row at dy^2 from the centre, `padded` points of it: whole vectors, so that points at
+ * the same distance have the same value to the last bit. Beyond 37 widths the value is zero, and
+ * exp would underflow, which is slow. */
 SHEAR_SIMD static void window(const double *dx2, double dy2, double core, double per_width,
                               size_t padded, double *out) {
 #pragma omp simd
@@ -73,7 +73,7 @@ SHEAR_SIMD static void window(const double *dx2, double dy2, double core, double
     }
 }
 
-/* Fill row `fine_y`; whether anything in it is not zero. */
+/* Fill row `fine_y`. Return whether any of it is not zero. */
 static bool fill_row(filter_map *m, int fine_y) {
     const int n = m->nx * m->s;
     const double dy = from_centre(fine_y, m->ny, m->s);
@@ -91,7 +91,7 @@ static bool fill_row(filter_map *m, int fine_y) {
     return last >= 0;
 }
 
-/* The row at the same distance on the other side of the centre. */
+/* Return the row at the same distance on the other side of the centre. */
 static int mirrored(const filter_map *m, int fine_y) {
     const int n = m->ny * m->s;
     return ((m->ny - 1) * m->s - fine_y + n) % n;
@@ -105,7 +105,7 @@ static bool copy_row(filter_map *m, int from, int to) {
     return m->x1[to] > m->x0[to];
 }
 
-/* The rows of a strip that are not all zero. */
+/* Find the rows of a strip that are not all zero. */
 static void bound_strip(filter_map *m, int strip) {
     const int end = m->nx * m->s;
     const int from = strip * FFT_LANES < end - FFT_LANES ? strip * FFT_LANES : end - FFT_LANES;

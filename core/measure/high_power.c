@@ -8,10 +8,10 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-enum { MODES = 2000 }; /* what 64 x 64 px have: the level of a stamp to 3 % */
+enum { MODES = 2000 }; /* as many as 64 x 64 px have: a stamp's level to 3 % */
 
-/* (2 jx/nx)^2 + (2 jy/ny)^2 >= (quarters/4)^2, in whole numbers: no rounding decides which modes
- * count. */
+/* (2 jx/nx)^2 + (2 jy/ny)^2 >= (quarters/4)^2, in integers, so that rounding does not decide which
+ * modes count. */
 static bool beyond(int64_t jx, int64_t jy, int64_t nx, int64_t ny, int64_t quarters) {
     return 64 * (jx * jx * ny * ny + jy * jy * nx * nx) >= quarters * quarters * nx * nx * ny * ny;
 }
@@ -20,7 +20,7 @@ static size_t table_doubles(const high_band *b) {
     return (size_t)b->nx * b->stride;
 }
 
-/* The rows that count: jy < ny/2. */
+/* Return the number of rows that count: jy < ny/2. */
 static int rows_of(int ny) {
     return (ny + 1) / 2;
 }
@@ -30,8 +30,8 @@ size_t high_band_bytes(int nx, int ny, bool corners_only) {
     return corners_only ? table : 2 * table;
 }
 
-/* What mode (jx, jy) counts in the table, and its group's first jx with it. Column jx = nx/2 is
- * left out like row jy = ny/2: rotated by 90 degrees, a square stamp has the same power. */
+/* Enter mode (jx, jy) into the tables, and its group's first jx. Column jx = nx/2 is left out like
+ * row jy = ny/2, so that a square stamp rotated by 90 degrees has the same power. */
 static void count_mode(high_band *b, int x, int jy) {
     const int jx = x <= b->nx / 2 ? x : b->nx - x;
     if (2 * jx == b->nx)
@@ -84,15 +84,15 @@ void high_band_deinit(high_band *b) {
     *b = (high_band){0};
 }
 
-/* Sums so far, a row of modes a lane. */
+/* Running sums; lane l holds row l of the group. */
 typedef struct lane_power {
     double edge_galaxy[FFT_LANES], edge_noise[FFT_LANES];
     double corner_galaxy[FFT_LANES], corner_noise[FFT_LANES];
 } lane_power;
 
-/* With z = g + i n: G(k) = (Z(k) + Z*(-k))/2 and N(k) = (Z(k) - Z*(-k))/2i; four times their
- * squares. The noise's is formed from its own transform and not as a difference from the sum: where
- * it is nothing beside the galaxy's, it comes out as nothing. */
+/* With z = g + i n: G(k) = (Z(k) + Z*(-k))/2 and N(k) = (Z(k) - Z*(-k))/2i. These are four times
+ * their squares. The noise's power comes from N itself, not from a difference of sums: if it is
+ * negligible beside the galaxy's, it comes out as negligible. */
 static SHEAR_INLINE void add_column(lane_power *s, const mode_rows *r, size_t x, const double *edge,
                                     const double *corner) {
     const size_t at = x * FFT_LANES;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One stamp pair with all steps of its measurement, for pictures. */
+/* All steps of one pair's measurement as images: shear_inspect(). */
 #include "measure/internal.h"
 #include "measure/moments.h"
 
@@ -45,8 +45,8 @@ static void copy_image(const shear_plan *plan, shear_workspace *ws, surface *s, 
     }
 }
 
-/* A noise stamp that is not corrected for may be negative under a log method: then there is no
- * picture of it. */
+/* Copy the fine images. A noise stamp that is not corrected for may be negative under a log method;
+ * then its image is NaN. */
 static void copy_images(const shear_plan *plan, shear_workspace *ws, bool has_noise,
                         const filter_map *filter, shear_inspection *out) {
     const size_t points = (size_t)out->fine_nx * (size_t)out->fine_ny;
@@ -61,7 +61,7 @@ static void copy_images(const shear_plan *plan, shear_workspace *ws, bool has_no
     }
 }
 
-/* Mode (jx, jy) and its mirror image, jy >= 0. */
+/* Store mode (jx, jy), jy >= 0, and its mirror image. */
 static void put_mode(const transfer_plan *p, const transfer *t, int jx, int jy, double power,
                      shear_inspection *out) {
     const double s2 = (double)p->s * p->s;
@@ -77,7 +77,7 @@ static void put_mode(const transfer_plan *p, const transfer *t, int jx, int jy, 
     }
 }
 
-/* What every mode holds of shot noise. */
+/* Return the shot noise in every mode. */
 static double shot_power(const shear_plan *plan, shear_workspace *ws) {
     double power = 0.0;
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
@@ -103,7 +103,7 @@ static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const tran
     }
 }
 
-/* Of a stamp pair that has been measured. */
+/* Fill *out for a pair that has been measured without a flag. */
 static void fill(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                  shear_inspection *out) {
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors by leaving out groups of a field's blocks in turn. */
+/* Errors of a field's shear from leaving out groups of its blocks in turn. */
 #include "shear/sums.h"
 
 #include "base/array.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The sums of a block that a shear is made of. */
+/* The sums of a block from which a shear is computed. */
 typedef struct component_sums {
     double x[SHEAR_N_COMPONENTS];
 } component_sums;
@@ -80,7 +80,7 @@ static component_sums without(const component_sums *all, component_sums some) {
     return some;
 }
 
-/* The shear without group g. */
+/* Compute the shear without group g. */
 static void leave_out(const shear_jackknife *j, const component_sums *all, size_t g, double *g1,
                       double *g2) {
     const size_t groups = (size_t)j->groups;
@@ -112,7 +112,7 @@ int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_er
         mean1 += g1 / (double)groups;
         mean2 += g2 / (double)groups;
     }
-    for (size_t g = 0; g < groups; g++) { /* their scatter about it */
+    for (size_t g = 0; g < groups; g++) { /* their scatter about the mean */
         leave_out(j, &all, g, &g1, &g2);
         s11 += (g1 - mean1) * (g1 - mean1);
         s22 += (g2 - mean2) * (g2 - mean2);
@@ -120,7 +120,7 @@ int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_er
     }
     const double factor = (double)(groups - 1) / (double)groups;
     out->jackknife = j->groups;
-    /* No shear, no error; nor where leaving out a group leaves nothing to divide by. */
+    /* Without a shear there is no error; nor if leaving out a group leaves a denominator of 0. */
     const bool known = out->valid && isfinite(s11) && isfinite(s22);
     out->g1_err = known ? sqrt(factor * s11) : NAN;
     out->g2_err = known ? sqrt(factor * s22) : NAN;

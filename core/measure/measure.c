@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One stamp pair, step by step, from pixels to its row: flags, transform, moments, terms. */
+/* Measure one stamp pair, from pixels to its row: flags, transform, moments, terms. */
 #include "measure/artefact.h"
 #include "measure/internal.h"
 #include "measure/photometry.h"
@@ -23,7 +23,7 @@ void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const sh
         *flags |= SHEAR_FLAG_BAD_R_GAL;
         return;
     }
-    const double core = r_gal + 4.0 * plan->info.beta_px; /* the paper's choice, section 4.2 */
+    const double core = r_gal + 4.0 * plan->info.beta_px; /* Zhang (2010), section 4.2 */
     filter_map_fill(&ws->fine, core, plan->info.width_px);
     if (!one_grid)
         filter_map_fill(&ws->coarse, core, plan->info.width_px);
@@ -31,7 +31,7 @@ void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const sh
     *coarse = one_grid ? &ws->fine : &ws->coarse;
 }
 
-/* The image that stamp i brings; NULL if it is absent. */
+/* Return the PSF image of stamp i; NULL if there is none. */
 static const double *psf_of(const shear_plan *plan, const shear_stamps *stamps, int i) {
     const transfer_plan *p = &plan->transfer_plan;
     const int index = stamps->psf_index != NULL ? stamps->psf_index[i] : i;
@@ -79,9 +79,9 @@ static uint32_t flags_of_catalog(const shear_stamps *stamps, int i, double weigh
            (bad_weight ? (uint32_t)SHEAR_FLAG_BAD_WEIGHT : 0u);
 }
 
-/* What the filter takes of the pixels. Where they are the fine grid, that is what the transform
- * lost of its k = 0, but for the two levels that were taken off (of the pair that was packed last:
- * not with several noise stamps). */
+/* Return the flux that the filter removes. If the fine grid is that of the pixels, it is what the
+ * transform lost of its k = 0, except for the two levels that were subtracted (those of the pair
+ * packed last, so not with several noise stamps). */
 static double removed_flux(const shear_plan *plan, const shear_workspace *ws,
                            const filter_map *filter, const shear_stamps *stamps,
                            const double *galaxy, const double *noise, double lost) {
@@ -94,14 +94,14 @@ static double removed_flux(const shear_plan *plan, const shear_workspace *ws,
                : photometry_removed(filter->value, galaxy, noise, pixels);
 }
 
-/* A stamp pair on its way. */
+/* A stamp pair while it is measured. */
 typedef struct stamp_pair {
     const double *galaxy, *noise;
     const filter_map *fine, *coarse;
-    const transfer *transfer; /* NULL if it is absent, or the row is flagged already */
+    const transfer *transfer; /* NULL if there is none, or the row is flagged already */
     photometry ph;
     bool packed;
-    bool noisy; /* one of its noise stamps varies by more than rounding makes */
+    bool noisy; /* one of its noise stamps varies by more than rounding */
     pack_failure failure;
 } stamp_pair;
 
@@ -123,8 +123,8 @@ static uint32_t bad_values(const shear_plan *plan, const shear_stamps *stamps,
                                                           : 0u);
 }
 
-/* Everything up to the transform along y; the pixels' photometry comes with it. Bad pixels are
- * found on the way, and then what was packed is not used. */
+/* Do everything up to the transform along y, including the photometry. Bad pixels are found on the
+ * way; then what was packed is not used. */
 static void prepare(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                     stamp_pair *s, uint32_t *flags) {
     uint32_t psf_flag = 0;
@@ -141,7 +141,8 @@ static void prepare(const shear_plan *plan, shear_workspace *ws, const shear_sta
     *flags |= *flags == 0 ? psf_flag : 0u;
 }
 
-/* The PSF's, of the one that stamp i brings only where somebody asks for it: that takes a time. */
+/* Return the PSF's sharpness, or NULL if stamp i has no PSF. For a PSF per stamp it is computed on
+ * request only, because it is slow. */
 static const sharpness *choose_sharpness(const shear_plan *plan, shear_workspace *ws,
                                          const shear_stamps *stamps, int i) {
     const shear_geometry *g = &plan->info.geometry;
@@ -155,7 +156,7 @@ static const sharpness *choose_sharpness(const shear_plan *plan, shear_workspace
     return &ws->sharpness;
 }
 
-/* Of pixels that are finite. */
+/* Find an artefact or a flat top in a pair whose pixels are finite. */
 static void find_artefact(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                           int i, const stamp_pair *s, shear_row *row) {
     static const sharpness weakest = {.ratio = 1.0, .leak = 0.0};
@@ -182,7 +183,7 @@ static void find_artefact(const shear_plan *plan, shear_workspace *ws, const she
     }
 }
 
-/* Two further noise stamps, whose photometry is `ph`: the flags that they give the row. */
+/* Set the flags that two further noise stamps, with photometry `ph`, give the row. */
 static void check_more_noise(const shear_plan *plan, shear_workspace *ws,
                              const shear_stamps *stamps, int i, const double *one,
                              const double *two, const photometry *ph, shear_row *row) {
@@ -200,15 +201,15 @@ static void check_more_noise(const shear_plan *plan, shear_workspace *ws,
     }
 }
 
-/* Does a noise stamp, of pixels from `least` to `most`, vary by more than their rounding? */
+/* Return whether a noise stamp with pixels from `least` to `most` varies by more than rounding. */
 static bool holds_noise(const shear_stamps *stamps, const double *noise, double least, double most,
                         double peak) {
     const size_t n = (size_t)stamps->nx * (size_t)stamps->ny;
     return most > least && !photometry_is_rounding(noise, n, least, most, peak);
 }
 
-/* Two further noise stamps, to the sum of all. False where they cannot be used: they give the row a
- * flag, or are negative under a log method (`s->packed` false). */
+/* Add two further noise stamps to the sum of all. Return false if they cannot be used: they flag
+ * the row, or are negative under a log method (`s->packed` is false). */
 static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                       int i, const double *one, const double *two, stamp_pair *s, spectra *all,
                       shear_row *row) {
@@ -232,8 +233,8 @@ static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_s
     return true;
 }
 
-/* The noise stamps after the first one, two a transform: the mean of all takes the place of the
- * first. False where one cannot be used, as above. */
+/* Add the noise stamps after the first, two per transform, and replace the first one's noise by the
+ * mean of all. Return false if one cannot be used, as above. */
 static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, stamp_pair *s, spectra *sp, shear_row *row) {
     const int planes = noise_planes(stamps);
@@ -241,7 +242,7 @@ static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_
     spectra all = *sp;
     for (int k = 1; k < planes; k += 2) {
         const double *one = s->noise + (size_t)k * pixels;
-        const double *two = k + 1 < planes ? one + pixels : one; /* twice the last one, halved */
+        const double *two = k + 1 < planes ? one + pixels : one; /* the last one twice, halved */
         if (!add_noise(plan, ws, stamps, i, one, two, s, &all, row))
             return false;
     }

@@ -21,13 +21,13 @@ static int64_t transform(int64_t n) {
     return (int64_t)fft_plan_bytes((int)n);
 }
 
-/* ---- what the parts take ---- */
+/* ---- sizes of the parts ---- */
 
 static int64_t axis_bytes(int64_t n, int64_t s) {
     return (n * s + FFT_LANES) * (int64_t)sizeof(axis_point) + n * D;
 }
 
-/* An image on its way from nx x ny pixels, where they are interpolated. */
+/* The surface of an image of nx x ny pixels that is interpolated. */
 static int64_t image_bytes(int64_t nx, int64_t ny) {
     return (6 * padded(nx) * padded(ny) + 2 * padded(ny) * FFT_LANES) * D;
 }
@@ -42,7 +42,7 @@ static int64_t filters_bytes(const shear_plan_info *info) {
            (info->oversample > 1 ? filter_bytes(g->nx, g->ny, 1) : 0);
 }
 
-/* Rows of modes that a transfer may let through at most. */
+/* The largest index of a mode that a transfer may use. */
 static int64_t max_j(const shear_plan_info *info, int64_t n) {
     const int64_t s = info->oversample;
     const int64_t q = info->psf_oversample;
@@ -57,7 +57,7 @@ static int64_t stride(const shear_plan_info *info) {
     return padded(max_j(info, info->geometry.ny) + 1);
 }
 
-/* A number for each mode. */
+/* One number per mode. */
 static int64_t table_bytes(const shear_plan_info *info) {
     return (2 * max_j(info, info->geometry.nx) + 1) * stride(info) * D;
 }
@@ -78,7 +78,7 @@ static int64_t transfer_scratch_bytes(const shear_plan_info *info) {
            table_bytes(info);
 }
 
-/* ---- the whole ---- */
+/* ---- totals ---- */
 
 int64_t memory_of_plan(const memory_of *m) {
     const shear_plan_info *info = m->info;

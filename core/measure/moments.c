@@ -12,13 +12,13 @@ double moments_power(const mode_rows *r, int jx, int lane) {
     return r->up.re[here] * r->down.re[there] - r->up.im[here] * r->down.im[there];
 }
 
-/* Sums over jx of T P times 1, jx, jx^2, jx^3, jx^4, a row a lane: the powers of jy are the same
- * all along a row and come in at the end. */
+/* Sums over jx of T P times 1, jx, jx^2, jx^3, jx^4; lane l holds row l of the group. The powers of
+ * jy are constant along a row and are multiplied in at the end. */
 typedef struct lane_sums {
     double s0[FFT_LANES], s1[FFT_LANES], s2[FFT_LANES], s3[FFT_LANES], s4[FFT_LANES];
 } lane_sums;
 
-/* Columns jx and -jx together: their even powers add, their odd ones differ. */
+/* Add columns jx and -jx together: the sums for even powers add, those for odd powers subtract. */
 static SHEAR_INLINE void add_columns(lane_sums *s, size_t l, double right, double left, double x) {
     const double x2 = x * x;
     const double even = right + left;
@@ -30,7 +30,7 @@ static SHEAR_INLINE void add_columns(lane_sums *s, size_t l, double right, doubl
     s->s4[l] += x2 * x2 * even;
 }
 
-/* Element `here` of up and its mirror image `there` of down. */
+/* Element `here` of up and its mirror image, element `there` of down. */
 typedef struct mode {
     double a, b, c, d; /* Z(k) = a + ib, Z(-k) = c + id */
 } mode;
@@ -40,14 +40,15 @@ static SHEAR_INLINE mode mode_at(const mode_rows *r, size_t here, size_t there) 
         .a = r->up.re[here], .b = r->up.im[here], .c = r->down.re[there], .d = r->down.im[there]};
 }
 
-/* Which spectra of a pair are summed up. */
+/* The spectra that are summed. */
 enum spectra { DIFFERENCE, WITH_NOISE, CROSS };
 
 static SHEAR_INLINE double difference(mode z) {
     return z.a * z.c - z.b * z.d;
 }
 
-/* |N|^2, from N itself: as a difference of the two sums it would drown beside a bright galaxy. */
+/* Return |N|^2, from N itself: a difference of the two sums would lose it beside a bright
+ * galaxy. */
 static SHEAR_INLINE double noise(mode z) {
     const double re = 0.5 * (z.b + z.d);
     const double im = 0.5 * (z.a - z.c);
@@ -58,8 +59,8 @@ static SHEAR_INLINE double cross(mode z) {
     return z.a * z.d + z.b * z.c;
 }
 
-/* Of one row of modes a lane, the sums of T times a spectrum (of the noise in `other`). t: T at jx
- * = 0, [jx][stride]. */
+/* Sum T times a spectrum over jx, one row of modes per lane; the noise's sums go to `other`. t: T
+ * at jx = 0, [jx][stride]. */
 static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t stride, int last,
                                   enum spectra which, lane_sums *out, lane_sums *other) {
     const mode_rows r = *rows;
@@ -107,7 +108,7 @@ SHEAR_SIMD static void sum_cross(const mode_rows *rows, const double *t, size_t 
     sum_rows(rows, t, stride, last, CROSS, out, &none);
 }
 
-/* The moments of each row by itself. */
+/* Compute the moments of each row. */
 SHEAR_SIMD static void moments_of_lanes(const lane_sums *sums, double ux, double uy, int first,
                                         double (*out)[FFT_LANES]) {
 #pragma omp simd
@@ -128,7 +129,7 @@ SHEAR_SIMD static void moments_of_lanes(const lane_sums *sums, double ux, double
     }
 }
 
-/* The sums of rows [first, first + FFT_LANES) to moments. */
+/* Add the sums of rows [first, first + FFT_LANES) to the moments. */
 static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p, int first) {
     double lanes[6][FFT_LANES];
     moments_of_lanes(sums, 2.0 * M_PI / p->nx, 2.0 * M_PI / p->ny, first, lanes);
@@ -140,7 +141,7 @@ static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p,
     m->v += fft_total(lanes[5]);
 }
 
-/* T at (0, jy). */
+/* Return T at (0, jy). */
 static const double *middle_column(const transfer_plan *p, const transfer *t, int jy) {
     return t->t + (size_t)p->max_jx * p->stride + (size_t)jy;
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From a stamp pair to the modes of its transform: z = galaxy + i noise on the fine grid, filtered,
- * one complex transform for both. Strips of FFT_LANES columns are made and transformed along y
- * while they are in the first cache; of the result only the rows that somebody wants are kept, and
- * transformed along x when asked for. */
+/* Pack a stamp pair as z = galaxy + i noise on the fine grid, filter it, and transform both at
+ * once. Strips of FFT_LANES columns are made and transformed along y while they are in the
+ * first-level cache. Only the rows that are needed are kept, and transformed along x on request. */
 #include "base/simd.h"
 #include "measure/internal.h"
 
@@ -10,9 +9,9 @@
 
 enum { BLOCK = FFT_LANES * FFT_LANES };
 
-enum filtering { PLAIN, FILTERED, LEVELLED }; /* LEVELLED: what is above the sums' origins */
+enum filtering { PLAIN, FILTERED, LEVELLED }; /* LEVELLED: pixels minus the origins of the sums */
 
-/* A row of a strip, summed up for the photometry, times the filter's, f. */
+/* Pack row y of a strip: add it to the photometry and multiply it by the filter's row f. */
 static SHEAR_INLINE void pack_row(photometry_sums *s, const double *f, enum filtering filtering,
                                   size_t x0, size_t y, fft_lanes out) {
     const double *galaxy = s->galaxy + x0 + y * (size_t)s->nx;
@@ -28,10 +27,11 @@ static SHEAR_INLINE void pack_row(photometry_sums *s, const double *f, enum filt
     }
 }
 
-/* Rows [y0, y1) of a strip of the pair, as pixels are: summed up for the photometry, times the
- * filter, side by side. One loop for all of it: with a side that is a power of two the rows of a
- * strip share so few sets of the first cache that they are gone when they are asked for again. Two
- * rows as far from the centre have the same filter, which is read once. */
+/* Pack rows [y0, y1) of a strip of pixels: add them to the photometry, multiply them by the filter,
+ * and store both stamps' values. All in one loop: if a side is a power of two, the rows of a strip
+ * share so few sets of the first-level cache that they are evicted before a second loop would read
+ * them. Two rows at the same distance from the centre have the same filter values, which are read
+ * once. */
 static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter,
                                    enum filtering filtering, size_t x0, size_t y0, size_t y1,
                                    fft_lanes out) {
@@ -77,13 +77,13 @@ SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level,
     }
 }
 
-/* Where a strip lies, and which of its rows are not zero. */
+/* The place of a strip, and the range of its rows that are not zero. */
 typedef struct strip {
-    int x0, skip; /* the first `skip` columns were in the strip before */
+    int x0, skip; /* the first `skip` columns belong to the strip before, too */
     int y0, y1;
 } strip;
 
-/* Strip number i: the last one begins where it still fits, some columns are done twice. */
+/* Return strip i. The last one ends at the last column, so some columns may be packed twice. */
 static strip strip_at(const shear_plan *plan, const filter_map *filter, int i) {
     const int left = i * FFT_LANES;
     const int last = plan->info.fine_nx - FFT_LANES;
@@ -108,7 +108,8 @@ static void pack_columns(photometry_sums *sums, const filter_map *filter, bool l
     }
 }
 
-/* From pixels, with their photometry; of a strip that overlaps, of its new columns. */
+/* Pack a strip from pixels, with their photometry; if strips overlap, with that of the new columns
+ * only. */
 static void pack_strip(const shear_plan *plan, shear_workspace *ws, photometry_sums *sums,
                        const filter_map *filter, const strip *st) {
     const bool levelled = !shear_settings_keep_background(&plan->settings);
@@ -121,7 +122,7 @@ static void pack_strip(const shear_plan *plan, shear_workspace *ws, photometry_s
     photometry_add(sums, st->x0, st->skip, st->y0, st->y1);
 }
 
-/* From interpolated images. */
+/* Pack a strip from interpolated images. */
 static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
                               const strip *st) {
     const surface_grid *g = &plan->grid;
@@ -139,7 +140,7 @@ static void clear_lanes(double *lanes, int y0, int y1) {
         memset(lanes + (size_t)y0 * FFT_LANES, 0, (size_t)(y1 - y0) * FFT_LANES * sizeof *lanes);
 }
 
-/* The strip transformed along y. */
+/* Make a strip and transform it along y. */
 static fft_lanes transform_strip(const shear_plan *plan, shear_workspace *ws, photometry_sums *sums,
                                  const filter_map *filter, const strip *st) {
     const int ny = plan->info.fine_ny;
@@ -155,21 +156,21 @@ static fft_lanes transform_strip(const shear_plan *plan, shear_workspace *ws, ph
     return fft_run(plan->along_y, ws->strip.re, ws->strip.im, FFT_LANES, ws->lanes[0], ws->strip);
 }
 
-/* Rows jy of a group and their mirror images -jy, so far transformed along y only. */
+/* Rows jy of a group and their mirror images -jy, transformed along y only. */
 enum side { UP, DOWN };
 static fft_lanes group_lanes(const shear_workspace *ws, int group, enum side side) {
     double *re = ws->modes + (size_t)(4 * group + 2 * (int)side) * ws->lane_size;
     return (fft_lanes){.re = re, .im = re + ws->lane_size};
 }
 
-/* Element 0 once more at the end, where -0 is looked for. */
+/* Repeat element 0 at the end, where element -0 is read. */
 static void close_period(fft_lanes lanes, int n) {
     const size_t end = (size_t)n * FFT_LANES;
     memcpy(lanes.re + end, lanes.re, FFT_LANES * sizeof *lanes.re);
     memcpy(lanes.im + end, lanes.im, FFT_LANES * sizeof *lanes.im);
 }
 
-/* A strip's modes from [jy][x] to [x][jy], the groups of rows that are wanted. */
+/* Transpose a strip's modes from [jy][x] to [x][jy], for the groups of rows that are needed. */
 static void transpose_strip(const shear_plan *plan, shear_workspace *ws, fft_lanes from, int x0,
                             const transfer *t) {
     const size_t to = (size_t)x0 * FFT_LANES;
@@ -205,7 +206,7 @@ static bool load_pair(const shear_plan *plan, shear_workspace *ws, const double 
            surface_load(&ws->noise, &plan->grid, noise, &failure->x, &failure->y);
 }
 
-/* What both stamps lose before the filter: see photometry_level. */
+/* Set the levels that both stamps lose before the filter: see photometry_level. */
 static void set_levels(shear_workspace *ws, const shear_geometry *g, const double *galaxy,
                        const double *noise, bool wanted, bool own_levels) {
     ws->level = ws->noise_level = 0.0;

@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A transform takes its stamp for one of a lattice of equal ones. The moments are derivatives of
- * the target image's autocorrelation at 0, and so of all the lattice's: what lies a stamp's side
- * away should be nothing. Of a Gaussian it is known in closed form. */
+/* Bias from stamps that are too small for beta: shear_plan_periodic_bias().
+ *
+ * A transform treats its stamp as one cell of a periodic lattice. The moments are derivatives of
+ * the target image's autocorrelation at 0, and therefore include those of all lattice points: at a
+ * distance of one stamp side the autocorrelation should be negligible. For a Gaussian it is known
+ * in closed form. */
 #include "shear/plan.h"
 
 #include <math.h>
 
-/* Of one axis: the autocorrelation exp(-a x^2) and its second and fourth derivative over it. */
+/* Along one axis: the autocorrelation exp(-a x^2), and its second and fourth derivatives over
+ * it. */
 typedef struct derivatives {
     double value, second, fourth;
 } derivatives;
@@ -18,7 +22,7 @@ static derivatives along(double x, double a) {
                          .fourth = 4.0 * a * a * (3.0 - 12.0 * x2 + 4.0 * x2 * x2)};
 }
 
-/* g1 of a Gaussian galaxy of scale radius s, sheared by g, as it is measured. */
+/* Return the measured g1 of a Gaussian galaxy of scale radius s under the shear g. */
 static double measured(const shear_plan_info *plan, double s, double g) {
     enum { FAR = 4 };
     const double beta2 = plan->beta_px * plan->beta_px;

@@ -101,7 +101,8 @@ photometry photometry_end(const photometry_sums *s) {
         p.galaxy_most = larger(p.galaxy_most, s->most[i]);
     p.galaxy_flat = p.galaxy_most == p.galaxy_least;
     p.noise_var = p.noise_most > p.noise_least ? var : 0.0;
-    /* A NaN or an infinity stays in the sums; finite pixels of 1e308 may make one there. */
+    /* A NaN or an infinity propagates into the sums; finite pixels of 1e308 may overflow them,
+     * too. */
     if (!isfinite(p.flux) || !isfinite(mean)) {
         p.galaxy_finite = all_finite(s->galaxy, pixels);
         p.noise_finite = all_finite(s->noise, pixels);
@@ -121,7 +122,7 @@ photometry photometry_of(const double *galaxy, const double *noise, int nx, int 
 }
 
 bool photometry_holds(const double *pixels, size_t n, double value) {
-    /* Files of floats hold the nearest one. */
+    /* Files of floats hold the nearest float. */
     const double narrow = fabs(value) <= (double)FLT_MAX ? (double)(float)value : value;
     size_t i = 0;
     while (i < n && pixels[i] != value && pixels[i] != narrow)
@@ -129,7 +130,7 @@ bool photometry_holds(const double *pixels, size_t n, double value) {
     return i < n;
 }
 
-/* What lies between a number of this size and the next one, with so many binary digits. */
+/* Return the distance from a number of this size to the next one with so many binary digits. */
 static double spacing(double size, int digits) {
     int exponent = 0;
     (void)frexp(size, &exponent);
@@ -145,8 +146,9 @@ static bool all_floats(const double *pixels, size_t n) {
 
 bool photometry_is_rounding(const double *pixels, size_t n, double least, double most,
                             double peak) {
-    static const double of_doubles = 64.0; /* beside what transforms round */
-    static const double of_floats = 3.0;   /* four neighbouring values: less than half of one rms */
+    static const double of_doubles = 64.0; /* what transforms round is of this size */
+    static const double of_floats =
+        3.0; /* four adjacent floats: less than half of one is the rms */
     const double range = most - least;
     const double size = fmax(fabs(least), fabs(most));
     if (range <= of_doubles * spacing(fmax(size, fabs(peak)), DBL_MANT_DIG))
@@ -155,7 +157,7 @@ bool photometry_is_rounding(const double *pixels, size_t n, double least, double
            all_floats(pixels, n);
 }
 
-/* n rows of pixels above `origin`, added to columns [nx] and lanes. */
+/* Add n rows of pixels minus `origin` to columns [nx] and lanes. */
 static SHEAR_INLINE void add_rows(const double *rows, size_t nx, size_t n, double origin,
                                   const double *next, double *columns, double *lanes) {
     size_t x = 0;
@@ -179,7 +181,8 @@ static SHEAR_INLINE void add_rows(const double *rows, size_t nx, size_t n, doubl
     }
 }
 
-/* The sum of some rows, and of their columns; lane by lane, the same on every machine. */
+/* Return the sum of some rows, and add them to the sums of their columns; lane by lane, the same on
+ * every machine. */
 SHEAR_SIMD static double sum_strip(const double *rows, size_t nx, size_t n, double origin,
                                    const double *next, double *columns) {
     enum { AT_ONCE = 4 };
@@ -199,8 +202,7 @@ static double sum_of(const double *values, int n) {
     return fft_total(lanes);
 }
 
-/* A side of n pixels in strips: a quarter, a quarter, the middle pixel of an odd side, and two
- * quarters again. */
+/* A side of n pixels in strips: two quarters, the middle pixel of an odd side, and two quarters. */
 enum { STRIPS = 5 };
 typedef struct strips {
     int from[STRIPS + 1];
@@ -212,14 +214,17 @@ static strips strips_of(int n) {
     return (strips){{0, quarter, half, n - half, n - quarter, n}};
 }
 
-/* The third difference of the strips' means, that of white noise with the variance of a mean of all
- * pixels. */
+/* Return the third difference of the strips' means, scaled so that for white noise its variance is
+ * that of the mean of all pixels. */
 static double third_difference(const double *sums, int n, int across) {
     const int quarter = n / 4;
     const int half = n / 2;
     const double n_outer = (double)across * quarter;
     const double n_inner = (double)across * (half - quarter);
-    const double farther = (double)(n - quarter) / (n - quarter - half); /* from the centre */
+    const double farther =
+        (double)(n - quarter) /
+        (n - quarter -
+         half); /* distance of the outer strips from the centre over that of the inner ones */
     const double third = (sums[0] - sums[4]) / n_outer - farther * (sums[1] - sums[3]) / n_inner;
     const double variance = 2.0 / n_outer + farther * farther * 2.0 / n_inner;
     return third / sqrt(variance * across * n);
@@ -247,7 +252,7 @@ sky_level photometry_level(const double *pixels, int nx, int ny, const double *n
     return (sky_level){.mean = mean, .own = mean + sqrt(s_x * s_x + s_y * s_y)};
 }
 
-/* Sums of the border about `origin`: of each side's pixels (corners are of the rows), and of the
+/* Sums of the border about `origin`: of each side's pixels (corners belong to rows), and of the
  * squares of all. */
 typedef struct border_sums {
     double bottom, top, left, right, squares;

@@ -76,11 +76,12 @@ bool photometry_is_rounding(const double *pixels, size_t n, double least, double
 /* The background that a noise stamp shows, for itself and for its galaxy. `mean` is the mean of its
  * pixels. A galaxy stamp from which it is subtracted keeps its own noise and gains the mean's: the
  * power s^2 |F(k)|^2, where F is the filter's transform and s^2 the variance of a mean. The noise
- * stamp itself would lose as much. `own`, to be subtracted from the noise stamp, is therefore the
- * mean plus or minus sqrt(2) s. s comes from the third differences of the means of four strips
- * along each axis, which neither a gradient nor a curvature of the sky changes. With it both stamps
- * have the same power at every k, for white noise, and for correlated noise that is white on the
- * scale of a quarter of the stamp. */
+ * stamp itself would lose as much. `own`, to be subtracted from the noise stamp, is therefore mean
+ * + sqrt(s_x^2 + s_y^2), which is an rms of sqrt(2) s above the mean. s_x and s_y are the third
+ * differences of the means of four strips along x and y, scaled to the variance s^2; neither a
+ * gradient nor a curvature of the sky changes them. With this level both stamps have the same power
+ * at every k, for white noise, and for correlated noise that is white on the scale of a quarter of
+ * the stamp. */
 typedef struct sky_level {
     double mean, own;
 } sky_level;

@@ -6,8 +6,8 @@
 
 #include <stdlib.h>
 
-/* A PSF made by FFTs has negative samples of this part of its peak; a log method takes them for 0.
- */
+/* A PSF made by FFTs has negative samples of this fraction of its peak; log methods treat them as
+ * 0. */
 static const double psf_rounding = 1e-4;
 
 static bool make_grids(shear_plan *plan, int psf_factor) {
@@ -74,7 +74,7 @@ static int out_of_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory while planning");
 }
 
-/* The field's one transfer, with scratch of its own. */
+/* Make the field's one transfer, with temporary scratch. */
 static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) {
     const shear_geometry *g = &plan->info.geometry;
     CLEANUP(transfer_scratch_deinit) transfer_scratch scratch = {0};
@@ -92,7 +92,7 @@ static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) 
     return SHEAR_OK;
 }
 
-/* With a PSF per stamp, only the grid's own limit can be judged here. */
+/* With a PSF per stamp, only the grid's own limit can be checked here. */
 static int check_limit(shear_plan *plan, shear_error *err) {
     const transfer_plan *p = &plan->transfer_plan;
     plan->info.k_cut = p->k_limit;

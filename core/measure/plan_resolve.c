@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the settings leave open, decided by the geometry, the PSF and the galaxies. */
+/* Resolve what the settings leave open, from the geometry, the PSF and the galaxies. */
 #include "measure/filter.h"
 #include "measure/internal.h"
 
 #include <math.h>
 
-/* A packed fine image of more points than this would need over a gigabyte per thread. */
+/* A packed fine image of more points would need over a gigabyte per thread. */
 static const double max_fine_points = 67108864.0;
 /* A PSF of this radius (in samples) is well sampled (docs/method.md, section 1). */
 static const double well_sampled_px = 1.0;
-/* Below it, what the pixels fold back on the modes is nothing under a target of this beta
+/* For a narrower PSF, the aliasing by pixels is negligible under a target of at least this beta
  * (docs/method.md, section 1). */
 static const double aliases_vanish_px = 1.2;
-/* Such a PSF leaves galaxies no power beyond 3/4 of Nyquist (docs/method.md, section 5). */
+/* With such a PSF galaxies have no power beyond 3/4 of Nyquist (docs/method.md, section 5). */
 static const double smooth_px = 1.3;
 
 static int check_geometry(const shear_geometry *g, shear_error *err) {
@@ -29,7 +29,8 @@ static int check_geometry(const shear_geometry *g, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* The PSF's fine image and its transform must fit too; this also keeps nx q far from overflow. */
+/* Check that the PSF's fine image and its transform fit, too; this also keeps nx q far from
+ * overflow. */
 static int check_psf_size(const shear_plan_info *info, int factor, shear_error *err) {
     const shear_geometry *g = &info->geometry;
     const double q = info->psf_oversample;
@@ -44,7 +45,7 @@ static int check_psf_size(const shear_plan_info *info, int factor, shear_error *
     return SHEAR_OK;
 }
 
-/* The smallest power of two with 1/s < r/4. */
+/* Return the smallest power of two with 1/s < r/4. */
 static int finest_needed(double r_psf_px) {
     int s = 1;
     while (1.0 / s >= r_psf_px / 4.0 && s < 1024)
@@ -52,8 +53,8 @@ static int finest_needed(double r_psf_px) {
     return s;
 }
 
-/* Interpolation by a rule. A beta of the user's own that is too small for the pixels asks for
- * interpolation as an s or a pedestal of his own does. */
+/* Choose an interpolation by rule. An explicit beta that is too small for the pixels causes
+ * interpolation, like an explicit s or pedestal. */
 static enum shear_interpolation choose_interpolation(const shear_settings *set,
                                                      const shear_plan_info *info) {
     const double r = info->r_psf_px;
@@ -64,8 +65,8 @@ static enum shear_interpolation choose_interpolation(const shear_settings *set,
                                                        : SHEAR_INTERP_LOG_BICUBIC;
 }
 
-/* Interpolation, s and the PSF's own sampling. A PSF that is given finer than the pixels is taken
- * as it is, as long as its samples are not wider apart than its radius. */
+/* Resolve interpolation, s and the PSF's sampling. A PSF that is sampled finer than the pixels is
+ * used as it is, if its samples are no further apart than its radius. */
 static int resolve_sampling(const shear_settings *set, shear_plan_info *info, int *psf_factor,
                             shear_error *err) {
     const double r = info->r_psf_px;
@@ -169,7 +170,7 @@ static enum shear_noise_band resolve_noise_band(const shear_settings *set,
     return info->r_psf_px >= smooth_px ? SHEAR_NOISE_BAND_HIGH : SHEAR_NOISE_BAND_CORNERS;
 }
 
-/* R_PSF and beta. */
+/* Resolve R_PSF and beta. */
 static int resolve_radii(const shear_settings *set, shear_plan_info *info,
                          const shear_plan_request *request, shear_error *err) {
     const shear_geometry *g = &request->geometry;

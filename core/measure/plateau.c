@@ -8,12 +8,13 @@
 #include <stdint.h>
 #include <string.h>
 
-/* (jx/nx)^2 + (jy/ny)^2 > (3/8)^2, in whole numbers: no rounding decides which modes count. */
+/* (jx/nx)^2 + (jy/ny)^2 > (3/8)^2, in integers, so that rounding does not decide which modes
+ * count. */
 static bool outside(int64_t jx, int64_t jy, int64_t nx, int64_t ny) {
     return 64 * (jx * jx * ny * ny + jy * jy * nx * nx) > 9 * nx * nx * ny * ny;
 }
 
-/* How many modes of the whole plane row jy stands for, in each column. */
+/* Return how many modes of the whole plane row jy stands for, in each column. */
 static double images(int jy, int ny) {
     return jy == 0 || 2 * jy == ny ? 1.0 : 2.0;
 }

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The PSF's scale radius: the area above exp(-1/2) of the peak, found on samples REFINE times
- * finer. Cells of those samples that the contour crosses count by the part that lies inside, with
- * the contour taken as straight (marching squares). Between the given samples the logarithm is
- * interpolated bicubically: for a Gaussian it is a quadratic, which the paper's derivative
- * estimates reproduce exactly. */
+/* The PSF's scale radius, from the area above exp(-1/2) of the peak, on samples `refine` times
+ * finer. A cell that the contour crosses counts by the fraction inside, with the contour taken as
+ * straight (marching squares). Between the given samples the logarithm is interpolated bicubically:
+ * for a Gaussian it is a quadratic, which the paper's derivative estimates reproduce exactly. */
 #include "measure/psf.h"
 
 #include "base/simd.h"
@@ -13,11 +12,11 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Sum and brightest sample; false where a sample is not finite. */
+/* Compute the sum and the brightest sample. Return false if a sample is not finite. */
 SHEAR_SIMD static bool scan(const double *psf, long n, double *sum, double *peak) {
     double total = 0.0;
     double most = -INFINITY;
-    double not_finite = 0.0; /* becomes NaN with the first NaN or infinity */
+    double not_finite = 0.0; /* becomes NaN at the first NaN or infinity */
 #pragma omp simd reduction(+ : total, not_finite) reduction(max : most)
     for (long i = 0; i < n; i++) {
         total += psf[i];
@@ -66,8 +65,8 @@ static double cubic(double a, double b, double c, double d, double t) {
            0.5 * t * t * u * (d - b);
 }
 
-/* The 16 samples around the cell (i, j) .. (i+1, j+1), as logarithms; false where one is not
- * positive. */
+/* Fill the logarithms of the 16 samples around the cell (i, j) .. (i+1, j+1). Return false if one
+ * is not positive. */
 static bool log_patch(const psf_view *v, int i, int j, double patch[4][4]) {
     for (int b = 0; b < 4; b++) {
         for (int a = 0; a < 4; a++) {
@@ -87,8 +86,8 @@ static double patch_at(double patch[4][4], double t, double u) {
     return cubic(column[0], column[1], column[2], column[3], u);
 }
 
-/* ln of the PSF at (x, y), in samples: log-bicubic; where a sample around is not positive, the
- * nearest sample. */
+/* Return ln of the PSF at (x, y), in samples: log-bicubic; if a neighbouring sample is not
+ * positive, the nearest sample. */
 static double log_at(const psf_view *v, double x, double y) {
     const int i = (int)floor(x);
     const int j = (int)floor(y);
@@ -123,8 +122,8 @@ double psf_at(const double *psf, int nx, int ny, double x, double y) {
 
 enum { MAX_REFINE = 32 };
 
-/* How far the PSF is above the level, positive inside, on the (refine+1)^2 corners of the cell's
- * subcells: in logarithms where all samples around are positive, else bilinear. */
+/* Fill the height of the PSF above the level, positive inside, on the (refine+1)^2 corners of the
+ * cell's subcells: as logarithms if all samples around are positive, else bilinear. */
 static void cell_heights(const psf_view *v, int i, int j, int refine, double level,
                          double height[MAX_REFINE + 1][MAX_REFINE + 1]) {
     double patch[4][4];
@@ -143,13 +142,13 @@ static void cell_heights(const psf_view *v, int i, int j, int refine, double lev
     }
 }
 
-/* The part of a triangle with corner values a, b, c (areas above 0 count) that is above 0, contour
- * straight. */
+/* Return the fraction of a triangle with corner values a, b, c that is above 0, with a straight
+ * contour. */
 static double triangle(double a, double b, double c) {
     const int above = (a > 0) + (b > 0) + (c > 0);
     if (above == 0 || above == 3)
         return above == 3 ? 1.0 : 0.0;
-    /* Bring the corner that is alone on its side to a. */
+    /* Swap the corner that is alone on its side to a. */
     const int lone_sign = above == 1 ? 1 : 0;
     if ((b > 0) == lone_sign) {
         const double swap = a;
@@ -164,7 +163,7 @@ static double triangle(double a, double b, double c) {
     return above == 1 ? part : 1.0 - part;
 }
 
-/* The area above `level` of the cell between four samples, in cells. */
+/* Return the area above `level` of the cell between four samples, in cells. */
 static double cell_area(const psf_view *v, int i, int j, int refine, double level) {
     double height[MAX_REFINE + 1][MAX_REFINE + 1];
     cell_heights(v, i, j, refine, level, height);
@@ -180,7 +179,7 @@ static double cell_area(const psf_view *v, int i, int j, int refine, double leve
     return area / ((double)refine * refine);
 }
 
-/* The highest point near sample (x, y), climbing from it with halved steps. */
+/* Return the highest value near sample (x, y), by hill climbing with halved steps. */
 static double peak_near(const psf_view *v, int x, int y) {
     double best = log(sample(v, x, y));
     double best_x = x;
@@ -204,7 +203,7 @@ static double peak_near(const psf_view *v, int x, int y) {
     return exp(best);
 }
 
-/* 1 where the cell and all around it is above the level, 0 where all is well below it, -1 where the
+/* Return 1 if the cell and all around it is above the level, 0 if all is well below it, -1 if the
  * contour may pass. */
 static int cell_side(const psf_view *v, int i, int j, double level) {
     double high = -INFINITY;
@@ -226,7 +225,7 @@ int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *
         return SHEAR_E_PSF;
     const psf_view view = {.psf = psf, .nx = nx, .ny = ny};
     long brightest = 0;
-    long above = 0; /* samples above the level: about the area, for choosing the refinement */
+    long above = 0; /* samples above the level, about the area: they decide the refinement */
     for (long i = 1; i < (long)nx * ny; i++)
         brightest = psf[i] > psf[brightest] ? i : brightest;
     const double peak = peak_near(&view, (int)(brightest % nx), (int)(brightest / nx));
@@ -237,7 +236,7 @@ int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *
     double area = 0.0;
     for (int j = -1; j < ny; j++) {
         for (int i = -1; i < nx; i++) {
-            /* Beyond the outermost samples half a cell still belongs to the image. */
+            /* Half a cell beyond the outermost samples still belongs to the image. */
             const double part =
                 (i < 0 || i == nx - 1 ? 0.5 : 1.0) * (j < 0 || j == ny - 1 ? 0.5 : 1.0);
             const int side = cell_side(&view, i, j, level);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Is an image a PSF, and what is doubtful in it. Levels are taken in rings about the brightest
- * sample; noise from fourth differences, in which whatever is smooth vanishes. */
+/* Decide whether an image is a PSF, and what is doubtful in it. Levels are measured in rings about
+ * the brightest sample; noise in fourth differences, in which everything smooth vanishes. */
 #include "shear/psf.h"
 
 #include "base/sort.h"
@@ -13,9 +13,10 @@
 
 /* ---- can it be a PSF? ---- */
 
-/* exp(-1/2): the contour that R_PSF is measured by would reach an edge this bright. */
+/* exp(-1/2): the contour that defines R_PSF would reach an edge this bright. */
 static const double edge_max = 0.6065;
-/* Of the flux, in the outer quarters of an axis on either side: it lies round the edges. */
+/* Fraction of the flux in the outer quarters of an axis, on either side, at which the PSF lies
+ * around the edges. */
 static const double wrapped_min = 0.01;
 
 typedef struct psf_image {
@@ -60,7 +61,8 @@ static bool all_equal(const psf_image *v) {
     return i == n;
 }
 
-/* The peak lies in an outer quarter of the axis, and some of its flux in the opposite one. */
+/* Return whether the peak is in an outer quarter of the axis and some of its flux in the opposite
+ * one. */
 static bool wraps(const psf_image *v, bool along_x) {
     const int n = along_x ? v->nx : v->ny;
     const int quarter = n / 4;
@@ -121,14 +123,14 @@ int shear_psf_usable(const double *psf, int nx, int ny, shear_error *err) {
 
 /* ---- levels about the peak ---- */
 
-/* What falls no faster than this has no finite flux beyond: it is no wing. */
+/* A level that falls no faster than this would have infinite flux beyond: it is not a wing. */
 static const double pedestal_slope = 2.2;
 
-enum { MAX_RINGS = 2050 }; /* half the largest side of a PSF, and a little */
+enum { MAX_RINGS = 2050 }; /* half the largest side of a PSF, with a margin */
 
 /* Ring i holds the samples at distances (i - 1, i] from the peak. */
 typedef struct rings {
-    int n; /* the last one that is whole: the nearest edge */
+    int n; /* the last whole ring: it touches the nearest edge */
     double sum[MAX_RINGS];
     int count[MAX_RINGS], zeros[MAX_RINGS];
 } rings;
@@ -151,19 +153,19 @@ static void rings_fill(rings *r, const psf_image *v) {
             }
         }
     }
-    /* What is masked is no border: the rim is where the image begins to be something. */
+    /* Masked samples are not the border: the rim is where the image stops being 0. */
     while (r->n > 1 && r->zeros[r->n] > 0.9 * r->count[r->n])
         r->n--;
 }
 
 typedef struct ring_level {
     double mean;
-    double distance; /* about: the middle */
-    int count;       /* samples */
+    double distance; /* approximate: the middle */
+    int count;       /* number of samples */
 } ring_level;
 
-/* The mean of the samples at distances from `from` to `to`, parts of the rim's; one ring at least.
- */
+/* Return the mean of the samples at distances from `from` to `to`, as fractions of the rim's
+ * distance; at least one ring. */
 static ring_level level(const rings *r, double from, double to) {
     const int last = (int)fmax(1.0, ceil(to * r->n));
     const int first = smaller(last, (int)fmax(1.0, ceil(from * r->n) + 1.0));
@@ -180,8 +182,8 @@ static ring_level level(const rings *r, double from, double to) {
 
 enum { NOISE_SAMPLES = 1024, NOISE_MIN = 16 };
 
-/* The fourth difference around (x, y) along x, where all its samples are near the rim or beyond,
- * and none is masked; NaN elsewhere. */
+/* Return the fourth difference along x around (x, y); NaN unless all its samples are at distance
+ * `near` or more and none is masked. */
 static double fourth_difference(const psf_image *v, int x, int y, double near) {
     double s[5];
     for (int i = 0; i < 5; i++) {
@@ -192,7 +194,8 @@ static double fourth_difference(const psf_image *v, int x, int y, double near) {
     return s[0] + s[4] - 4.0 * (s[1] + s[3]) + 6.0 * s[2];
 }
 
-/* A sample's rms noise: the median absolute difference, as a Gaussian has it. NaN: too few. */
+/* Return a sample's rms noise from the median absolute difference, assuming a Gaussian; NaN if
+ * there are too few. */
 static double noise_of(const psf_image *v, double near) {
     double found[NOISE_SAMPLES];
     int n = 0;
@@ -211,10 +214,10 @@ static double noise_of(const psf_image *v, double near) {
     return found[n / 2] / 0.6745 / sqrt(70.0);
 }
 
-/* ---- all that an image tells ---- */
+/* ---- all that an image shows ---- */
 
-/* The slope between two wide annuli: Airy rings are not to be taken for it. NaN where the outer one
- * is no more than noise. */
+/* Return the slope between two annuli wide enough to average over Airy rings; NaN if the outer one
+ * is not above the noise. */
 static double slope_of(const ring_level *inner, const ring_level *outer, double noise) {
     if (!(outer->mean > 0.0))
         return INFINITY;
@@ -223,7 +226,7 @@ static double slope_of(const ring_level *inner, const ring_level *outer, double 
                 : (double)NAN;
 }
 
-/* The level at the rim, how it falls towards it, and what lies beyond if it goes on so. */
+/* Fill in the level at the rim, its slope, and the flux beyond if it continues so. */
 static void look_beyond(shear_psf_quality *q, const rings *r, double peak, double sum,
                         double noise) {
     const ring_level outer = level(r, 0.8, 1.0);
@@ -233,7 +236,7 @@ static void look_beyond(shear_psf_quality *q, const rings *r, double peak, doubl
     q->border_slope = slope;
     q->border = outer.mean / peak * (isfinite(slope) ? pow(to_rim, fmax(0.0, slope)) : 1.0);
     q->border_err = noise / peak / sqrt(outer.count);
-    /* Of a square image, as of a circle of its area. */
+    /* The area of a square image is treated as a circle of the same area. */
     const double edge = 2.0 / sqrt(M_PI) * (r->n + 0.5);
     const double steep = slope - 2.0;
     const double beyond = 2.0 * M_PI * outer.mean * outer.distance * outer.distance *
@@ -253,7 +256,7 @@ static double sum_of(const psf_image *v, double *lowest) {
 
 int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, int oversample,
                       shear_error *err) {
-    static const double sigmas = 6.0; /* of a negative sample that is more than noise */
+    static const double sigmas = 6.0; /* by which a negative sample exceeds the noise */
     *q = (shear_psf_quality){.r_psf_px = NAN};
     if (shear_psf_usable(psf, nx, ny, err) != SHEAR_OK ||
         shear_psf_radius(psf, nx, ny, oversample, &q->r_psf_px, err) != SHEAR_OK) {
@@ -285,8 +288,8 @@ static bool falls(const shear_psf_quality *q) {
     return q->border > 0.0 && q->border_slope > pedestal_slope;
 }
 
-/* The modes that count average over a disc of about the width of target and galaxy: where the rim
- * lies far outside it, its level counts for less; the square of a pedestal's flux is left. */
+/* The modes that count average over a disc of about the width of target and galaxy. If the rim is
+ * far outside it, its level counts for less; the square of a pedestal's flux remains. */
 double shear_psf_border_bias(const shear_psf_quality *q, double beta_px) {
     const double ratio = beta_px / q->r_psf_px;
     const double area = q->rim_px * q->rim_px / (q->r_psf_px * q->r_psf_px);
@@ -297,8 +300,8 @@ double shear_psf_border_bias(const shear_psf_quality *q, double beta_px) {
     return pow(ratio, 3.0) * (seen + square);
 }
 
-/* The integrals over u = k^2 of (u - beta^2 u^2/2) exp(-b^2 u), what a Gaussian galaxy of radius
- * R_PSF has of D, and of its square over |W|^2, what the noise makes of it. */
+/* The integrals over u = k^2 of (u - beta^2 u^2/2) exp(-b^2 u), the D of a Gaussian galaxy of
+ * radius R_PSF, and of its square over |W|^2, the effect of the noise. */
 double shear_psf_noise_bias(const shear_psf_quality *q, double beta_px) {
     const double r2 = q->r_psf_px * q->r_psf_px;
     const double beta2 = beta_px * beta_px;
@@ -309,8 +312,8 @@ double shear_psf_noise_bias(const shear_psf_quality *q, double beta_px) {
     return 4.0 * M_PI * q->noise * sqrt(square / M_PI) / d;
 }
 
-/* What the samples' own period folds onto the wave numbers that count, about 1.5/beta, of a PSF
- * that falls a little slower than a Gaussian. All in samples. */
+/* The power that the samples' own period aliases to the wave numbers that count, about 1.5/beta,
+ * for a PSF that falls a little slower than a Gaussian. All in samples. */
 double shear_psf_sampling_bias(const shear_psf_quality *q, double beta_px) {
     const double k = 1.5 * q->r_psf_px / (beta_px * q->sampling);
     const double aliased = 2.0 * M_PI * fmax(0.0, M_PI - k);
@@ -337,7 +340,7 @@ const char *shear_psf_flaw_name(int flaw) {
     return flaw >= 0 && flaw < SHEAR_N_PSF_FLAWS ? names[flaw] : NULL;
 }
 
-/* The larger of two numbers of which either may be none. */
+/* Return the larger of two numbers, either of which may be NaN. */
 static double larger(double a, double b) {
     return b > a || isnan(a) ? b : a;
 }

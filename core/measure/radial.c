@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A round source f(k) under the shear g1 becomes f + g1 k f'(k) cos(2 phi) in first order, behind
- * the PSF W; so the image is A + g1 B cos(2 phi), A = f W, B = k f' W. The filter multiplies image
- * and change in real space; then
+/* The response of a round galaxy's shear through a filter, to first order.
  *
- *     dN1/dg1 = -1/2 sum (kx^2 - ky^2) 2 T A' B' cos(2 phi)      D = sum (k^2 - beta^2/2 k^4) T
- * A'^2
+ * A round source f(k) under the shear g1 becomes f + g1 k f'(k) cos(2 phi), behind the PSF W; so
+ * the image is A + g1 B cos(2 phi), A = f W, B = k f' W. The filter multiplies image and change in
+ * real space; then
  *
- * with the filtered A' and B'. Factors that do not depend on the filter drop out. */
+ *     dN1/dg1 = -1/2 sum (kx^2 - ky^2) 2 T A' B' cos(2 phi)
+ *     D       = sum (k^2 - beta^2/2 k^4) T A'^2
+ *
+ * with the filtered A' and B'. Factors that do not depend on the filter cancel. */
 #include "measure/radial.h"
 
 #include <assert.h>
@@ -14,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Modes beyond this many scales of the target over the PSF have no weight. */
+/* Modes beyond this many scales of the target over the PSF have negligible weight. */
 static const double last_scale = 5.0;
 
 static double *column(int n) {
@@ -44,7 +46,7 @@ static void fill(radial *q, double step_k, double scale2) {
 
 bool radial_init(radial *q, double r_max, double r_psf, double beta) {
     assert(r_max > 0.0 && r_psf > 0.0 && beta > 0.0);
-    /* a target narrower than the PSF has no limit of its own: any will do */
+    /* a target narrower than the PSF has no limit of its own: any finite one will do */
     const double scale2 = fmax(beta * beta - r_psf * r_psf, 0.1 * beta * beta);
     const double k_max = fmin(M_PI, last_scale / sqrt(scale2));
     const int by_range = (int)ceil(1.5 * k_max * r_max / M_PI);
@@ -85,7 +87,7 @@ void radial_deinit(radial *q) {
     *q = (radial){0};
 }
 
-/* sum over r of value r J(k r), for mode number j. */
+/* Return the sum over r of value r J(k r), for mode j. */
 static double transform(const radial *q, const double *bessel, int j, const double *value) {
     const double *row = bessel + (size_t)j * (size_t)q->n_r;
     double sum = 0.0;
@@ -94,8 +96,8 @@ static double transform(const radial *q, const double *bessel, int j, const doub
     return sum;
 }
 
-/* B(k) from A = 2 pi int r J0 I and k A' = -2 pi int k r^2 J1 I: behind the Gaussian W,
- * B = W k (A/W)' = k A' + r_psf^2 k^2 A. The factor 2 pi RADIAL_STEP is left out. */
+/* Return B(k) from A = 2 pi int r J0 I and k A' = -2 pi int k r^2 J1 I: behind the Gaussian W, B =
+ * W k (A/W)' = k A' + r_psf^2 k^2 A. The factor 2 pi RADIAL_STEP is left out. */
 static double change_at(radial *q, int j) {
     const double k = q->k[j];
     for (int i = 0; i < q->n_r; i++)

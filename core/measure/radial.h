@@ -23,8 +23,8 @@ typedef struct radial {
     double unfiltered;          /* the response without a filter */
 } radial;
 
-/* Make the tables up to radius r_max, pixels; beta > 0, r_psf > 0. Return false if out of memory.
- * */
+/* Make the tables up to radius r_max, pixels; beta > 0, r_psf > 0. Return false if out of
+ * memory. */
 bool radial_init(radial *q, double r_max, double r_psf, double beta);
 void radial_deinit(radial *q);
 

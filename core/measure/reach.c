@@ -10,18 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of 64 stamps the brightest does not count, nor the extremes of any ring: no star and no artefact
- * decides. */
+/* Of every 64 stamps the brightest is dropped, and the extremes of each ring, so that no star or
+ * artefact decides. */
 enum { TRIMMED = 64, FEWEST = 64, CORES_PER_PX = 4 };
 
-/* Part of the shear that the mean profile may lose. The moments are quadratic in the flux: large
- * and elongated galaxies lose more, of their mean up to 10 times as much (docs/method.md, section
- * 2). */
+/* Fraction of the shear that the mean profile may lose. The moments are quadratic in the flux:
+ * large and elongated galaxies lose more, up to 10 times as much (docs/method.md, section 2). */
 static const double most_lost = 1e-4;
-/* A ring this many errors above zero is seen ... */
+/* A ring this many errors above zero is detected ... */
 static const double seen = 4.0;
-/* ... and beyond the last the profile goes on as exp(-b sqrt(r)), between a disk's and a bulge's;
- * it begins at least like this power of the radius. */
+/* ... and beyond the last one the profile continues as exp(-b sqrt(r)), between a disk's and a
+ * bulge's; there it falls at least like this power of the radius. */
 static const double slowest_fall = 2.5;
 
 static void measure_rings(reach *r) {
@@ -67,7 +66,7 @@ void reach_deinit(reach *r) {
     *r = (reach){0};
 }
 
-/* The mean; not finite where a pixel is not. */
+/* Return the mean; not finite if a pixel is not. */
 SHEAR_SIMD static double mean_of(const double *pixel, int n) {
     double sum = 0.0;
 #pragma omp simd reduction(+ : sum)
@@ -102,8 +101,8 @@ static double flux_within(const reach *r, int stamp, double radius) {
     return flux;
 }
 
-/* Every ring times its stamp's flux, which is how much the moments heed it; a flux that is negative
- * or among the brightest counts 0. Returns how many are left. */
+/* Weight every ring by its stamp's flux, as the moments do. A stamp with a negative flux gets
+ * weight 0; the brightest are removed. Return how many stamps are left. */
 static int weigh(reach *r, double aperture) {
     for (int s = 0; s < r->count; s++)
         r->sorted[s] = flux_within(r, s, aperture);
@@ -124,7 +123,7 @@ static int weigh(reach *r, double aperture) {
     return left;
 }
 
-/* The trimmed mean of ring i, and its error. */
+/* Return the trimmed mean of ring i, and its error. */
 static double ring_mean(reach *r, int i, double *error) {
     const int n = r->count;
     const int cut = n / TRIMMED;
@@ -144,7 +143,7 @@ static double ring_mean(reach *r, int i, double *error) {
     return mean;
 }
 
-/* Fill the profile; the last ring of those that are seen without a gap, or -1. */
+/* Fill the profile. Return the last ring that is detected without a gap, or -1. */
 static int stack(reach *r) {
     int last = -1;
     for (int i = 0; i < r->n_rings; i++) {
@@ -158,7 +157,8 @@ static int stack(reach *r) {
 
 /* ---- the core ---- */
 
-/* The profile at any radius: as it was seen, then with the slope of the last 40 % of what was. */
+/* Return the profile at any radius: as measured, then extrapolated with the slope of the last 40 %
+ * of it. */
 static double profile_at(const reach *r, int last, double fall, double radius) {
     assert(last >= 0 && last < r->n_rings);
     if (radius >= r->radius[last])
@@ -185,7 +185,7 @@ static bool whole(radial *q, int quarters, double width) {
     return fabs(radial_response(q, (double)quarters / CORES_PER_PX, width) - 1.0) < most_lost;
 }
 
-/* By bisection: a wider core loses less. */
+/* Find it by bisection: a wider core loses less. */
 static double smallest_core(const reach *r, radial *q, double beta, double width) {
     const int side = r->nx < r->ny ? r->nx : r->ny;
     int low = (int)ceil(2.0 * beta * CORES_PER_PX);

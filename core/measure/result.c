@@ -8,16 +8,17 @@
 #include <math.h>
 #include <string.h>
 
-/* Squares of very faint units (pixels of 1e-75) lose their digits below this: then the errors are
- * not known. */
+/* For very faint units (pixels of 1e-75) squares below this lose digits: the errors are unknown
+ * then. */
 static const double smallest_square = 1e-290;
-/* A field's denominator is this many sigma of the noise above 0, or there is no shear. */
+/* A field has a shear only if its denominator is this many sigma of the noise above 0. */
 static const double least_signal = 5.0;
-/* Transforms round: equal stamps have powers that differ by less than this part... */
+/* Equal stamps have powers that differ by less than this fraction, because transforms round ... */
 static const double rounding = 1e-9;
-/* ... or, where a filter is before them and each loses a level of its own, by less than this one,
- * by this square at high k, where a filter has nothing, and by less flux than this part of a
- * border pixel's noise: galaxies in the very noise of the noise stamps are not the same. */
+/* ... or, if each stamp loses a level of its own before a filter, by less than these: a fraction of
+ * D; a square of the difference at high k, where a filter has no power; and a flux, as a fraction
+ * of a border pixel's noise, so that galaxies in exactly the noise of the noise stamps are not
+ * mistaken for equal stamps. */
 static const double of_levels = 0.15;
 static const double of_levels_at_high_k2 = 1e-8;
 static const double of_levels_in_flux = 1e-4;
@@ -31,7 +32,7 @@ shear_ratio shear_ratio_of(const double x[SHEAR_N_COMPONENTS]) {
                          .level = level};
 }
 
-/* All of a field's rounded sums. */
+/* All of a field's sums, rounded. */
 typedef struct rounded {
     double t[SHEAR_N_TERMS];
     shear_ratio at_level;
@@ -41,7 +42,7 @@ static double product(const rounded *r, int i, int j) {
     return r->t[shear_term_product(i, j)];
 }
 
-/* A linear combination of a stamp's parts. */
+/* A linear combination of a stamp's components. */
 typedef struct combination {
     double c[SHEAR_N_COMPONENTS];
 } combination;
@@ -56,7 +57,8 @@ static double product_of(const rounded *r, const combination *a, const combinati
     return sum;
 }
 
-/* What a stamp adds to the noise level (without its mean): (G_hi - alpha N_hi) / sum N_hi. */
+/* Return a stamp's contribution to the noise level (minus its mean): (G_hi - alpha N_hi) / sum
+ * N_hi. */
 static combination of_level(const rounded *r) {
     combination c = {{0.0}};
     const double noise = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
@@ -67,8 +69,9 @@ static combination of_level(const rounded *r) {
     return c;
 }
 
-/* What a stamp adds to N - g D at the noise level, for N the part `n` with the noise's `noise_n`:
- * its own terms, and by way of the noise level those of all noise stamps. */
+/* Return a stamp's contribution to N - g D at the noise level, where N is component `n`, and
+ * `noise_n` that of the noise: its own terms and, through the noise level, those of all noise
+ * stamps. */
 static combination of_ratio(const rounded *r, int n, int noise_n, double g) {
     const combination level = of_level(r);
     const double by_level =
@@ -83,7 +86,7 @@ static combination of_ratio(const rounded *r, int n, int noise_n, double g) {
     return c;
 }
 
-/* Mean of a term over the used stamps, and the error of that mean. */
+/* Compute the mean of a term over the used stamps, and the error of that mean. */
 static void mean_of(const double *t, int sum, int squares, double n, double *mean,
                     double *mean_err) {
     *mean = t[sum] / n;
@@ -91,7 +94,7 @@ static void mean_of(const double *t, int sum, int squares, double n, double *mea
     *mean_err = sqrt(variance / (n - 1.0));
 }
 
-/* The delta method for the ratio of sums g = sum w N / sum w D, noise level and all. */
+/* Apply the delta method to the ratio of sums g = sum w N / sum w D, including the noise level. */
 static void fill_shear(shear_result *out, const rounded *r) {
     const double d = r->at_level.d;
     out->g1 = r->at_level.n1 / d;
@@ -107,9 +110,9 @@ static void fill_shear(shear_result *out, const rounded *r) {
     out->delta_g2_err = out->g2_err;
 }
 
-/* What noise stamps scatter, squared and summed: their w d about what their own power lets expect,
- * so that neither weights nor depths that differ count as noise; where that is not known, about the
- * mean. */
+/* Return the summed squares of the noise stamps' scatter: of their w d about the value expected
+ * from their own power, so that differing weights or depths do not count as noise; if that is
+ * unknown, about the mean. */
 static double scatter_of_noise(const rounded *r, double n) {
     const double sum = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D];
     const double power = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
@@ -119,8 +122,8 @@ static double scatter_of_noise(const rounded *r, double n) {
     return fmax(0.0, product_of(r, &c, &c) - (power > 0.0 ? 0.0 : sum * sum / n));
 }
 
-/* What noise alone would scatter sum w D by: two stamps' worth of what noise of the galaxies' level
- * scatters, and the noise level's error. */
+/* Return the scatter of sum w D from noise alone: that of two stamps with noise at the galaxies'
+ * level, and the noise level's error. */
 static double noise_of_d(const rounded *r, double n, double level_err) {
     const double level = r->at_level.level;
     const double by_level =
@@ -133,16 +136,17 @@ static void fill_influence(shear_result *out, const rounded *r, shear_influence 
     d.c[SHEAR_C_D] = 1.0;
     d.c[SHEAR_C_NOISE_D] = 1.0 - r->at_level.level;
     out->n_eff = out->sum_d * out->sum_d / product_of(r, &d, &d);
-    /* `top` is what a stamp has of D as it is: of noise of another level, most is the noise's */
+    /* `top` is a stamp's D before the noise level; if the levels differ, most of it is noise */
     out->top_size = top.size;
     out->top_share = top.size / fmax(fabs(out->sum_d), fabs(r->t[SHEAR_S_COMPONENT + SHEAR_C_D]));
     out->top_stamp = top.size > 0.0 ? top.stamp : -1;
 }
 
-/* The level beyond Nyquist against that below it. Each band's error is that of all modes, larger as
- * its modes are fewer. */
+/* Compare the level beyond Nyquist with that below it. Each band's error is that of all modes,
+ * scaled up for its fewer modes. */
 static void fill_shape(shear_result *out, const rounded *r) {
-    static const double corners = (4.0 - M_PI) / (4.0 - M_PI * 9.0 / 16.0); /* of all modes */
+    static const double corners =
+        (4.0 - M_PI) / (4.0 - M_PI * 9.0 / 16.0); /* fraction of all modes */
     const double corner_noise = r->t[SHEAR_S_CORNER_NOISE];
     const double edge_noise = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE] - corner_noise;
     const double edge_galaxy =
@@ -203,8 +207,8 @@ static rounded round_sums(const shear_field_sums *f) {
     return r;
 }
 
-/* The mean square of what galaxy and noise stamps differ by at high k, in units of the noise's;
- * INFINITY where it has none. */
+/* Return the mean square difference of galaxy and noise stamps at high k, in units of the noise's;
+ * INFINITY if the noise has no power there. */
 static double difference_at_high_k(const rounded *r) {
     const double noise2 = product(r, SHEAR_C_HIGH_NOISE, SHEAR_C_HIGH_NOISE);
     const double both = product(r, SHEAR_C_HIGH_GALAXY, SHEAR_C_HIGH_NOISE);
@@ -212,13 +216,13 @@ static double difference_at_high_k(const rounded *r) {
     return noise2 > 0.0 ? (galaxy2 - 2.0 * both + noise2) / noise2 : INFINITY;
 }
 
-/* Do the pixels, before anything is taken off, have flux beyond what rounding makes? */
+/* Return whether the pixels, before anything is subtracted, have flux beyond rounding. */
 static bool has_flux(const rounded *r, double n) {
     const double noise = sqrt(r->t[SHEAR_S_BORDER_NOISE] / n);
     return fabs(r->t[SHEAR_S_FLUX] / n) > of_levels_in_flux * noise && noise > 0.0;
 }
 
-/* Galaxy and noise stamps are the same. */
+/* Return whether galaxy and noise stamps are the same. */
 static bool no_difference(const rounded *r, double n) {
     const double d2 = product(r, SHEAR_C_D, SHEAR_C_D);
     const double noise2 = product(r, SHEAR_C_NOISE_D, SHEAR_C_NOISE_D);
@@ -227,7 +231,7 @@ static bool no_difference(const rounded *r, double n) {
     return noise2 > 0.0 ? d2 < part * part * noise2 : r->t[SHEAR_S_COMPONENT + SHEAR_C_D] == 0.0;
 }
 
-/* Why there is no shear; SHEAR_HAS_SHEAR where there may be one. */
+/* Return why there is no shear; SHEAR_HAS_SHEAR if there may be one. */
 static enum shear_no_shear no_shear(const shear_result *out, const rounded *r) {
     if (out->n_used < 2)
         return SHEAR_NO_STAMPS;
@@ -237,7 +241,7 @@ static enum shear_no_shear no_shear(const shear_result *out, const rounded *r) {
         return SHEAR_NO_DIFFERENCE;
     if (out->signal <= -least_signal)
         return r->t[SHEAR_S_POWER] < 0.0 ? SHEAR_SWAPPED : SHEAR_TOO_NARROW;
-    const bool only_one = fabs(out->n_eff - 1.0) < 1e-6; /* counts: what error? */
+    const bool only_one = fabs(out->n_eff - 1.0) < 1e-6; /* stamp counts: its error is unknown */
     return out->signal >= least_signal && !only_one ? SHEAR_HAS_SHEAR : SHEAR_NO_SIGNAL;
 }
 

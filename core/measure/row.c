@@ -50,9 +50,10 @@ void row_fill_photometry(shear_row *row, const shear_stamps *st, const double *g
     row->border_step2 = step2(&of_galaxy) - step2(&of_noise);
 }
 
-/* What a stamp's own noise stamp adds to the terms of the symmetry (docs/method.md, section 6): `a`
- * parts of the cross spectrum's terms, with beta^2 lowered so that the noise leans neither way. A
- * small part costs little precision; a smaller one would cost more again, for `lower` grows. */
+/* Fill in what a stamp's noise stamp adds to the terms of PDF symmetrization (docs/method.md,
+ * section 6): `a` times the cross spectrum's terms, with beta^2 lowered so that the noise has no
+ * preferred sign. A small `a` costs little precision; a smaller one would cost more again, because
+ * `lower` grows. */
 void row_fill_cross(shear_row *row, const moments *m, double beta, double r_psf) {
     static const double a = 0.3;
     const double beta2 = beta * beta;

@@ -7,12 +7,12 @@
 
 #include <math.h>
 
-enum { LEAST = 4 }; /* pixels of a flat top */
+enum { LEAST = 4 }; /* pixels in a flat top */
 static const double above_sky = 2.0;
 static const double window_sigma = 3.0;
-static const double log_chance = -18.4; /* 1e-8 */
+static const double log_chance = -18.4; /* ln of 1e-8 */
 
-/* Pixels of a strip that have this value. */
+/* Count the pixels of a strip that have this value. */
 SHEAR_SIMD static int count_equal(const double *strip, size_t nx, size_t ny, double value) {
     int lanes[FFT_LANES] = {0};
     for (size_t y = 0; y < ny; y++) {
@@ -40,7 +40,7 @@ bool saturation_suspected(const artefact_pair *pair, double sigma) {
     return n >= LEAST;
 }
 
-/* The smallest difference between pixels of the border; INFINITY where all are equal. */
+/* Return the smallest difference between pixels of the border; INFINITY if all are equal. */
 static double step_of(const artefact_pair *pair) {
     double values[4 * SHEAR_MAX_SIDE];
     const size_t n = artefact_border(pair->galaxy, pair->nx, pair->ny, values);
@@ -53,12 +53,12 @@ static double step_of(const artefact_pair *pair) {
     return step;
 }
 
-/* How many pixels are the brightest, how many have the next value, and how many are up to `window`
- * below. */
+/* The number of pixels with the largest value, with the next value, and within `window` of the
+ * largest. */
 typedef struct top {
     int n, n_next, n_near;
     double next;
-    int x, y; /* of the first one */
+    int x, y; /* place of the first one */
 } top;
 
 static top top_of(const artefact_pair *pair, double window) {
@@ -81,8 +81,8 @@ static top top_of(const artefact_pair *pair, double window) {
     return t;
 }
 
-/* Is it too unlikely that noise makes n equal pixels where `expected` more than one are? A bound on
- * Poisson's law. */
+/* Return whether n equal pixels are too unlikely to come from noise, if `expected` more than one
+ * are expected: a bound on Poisson's law. */
 static bool is_unlikely(int n, double expected) {
     const double more = n - 1;
     return more > expected && more * (log(expected / more) + 1.0) - expected < log_chance;

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Below: two terms, three terms of the curve, and then each bin for itself. */
+/* Up to `few` stamps the curve has two terms, up to `many` three; beyond, each bin has its own
+ * score. */
 static const double few = 1000.0;
 static const double many = 4000.0;
 
@@ -43,7 +44,7 @@ void scores_deinit(scores *s) {
     *s = (scores){0};
 }
 
-/* The powers t .. t^n of a bin's place. */
+/* Fill in the powers t .. t^n of a bin's place. */
 static void powers(int i, int bins, int n, double *power) {
     const double t = (i + 0.5) / bins;
     power[0] = t;
@@ -51,8 +52,8 @@ static void powers(int i, int bins, int n, double *power) {
         power[k] = power[k - 1] * t;
 }
 
-/* Solve the n normal equations m c = r, m symmetric; a coefficient that the data do not tell is 0.
- */
+/* Solve the n normal equations m c = r, m symmetric. A coefficient that the data do not determine
+ * is 0. */
 static void solve_normal(double m[SCORE_TERMS][SCORE_TERMS], double *r, int n, double *c) {
     static const double singular = 1e-9;
     double diagonal[SCORE_TERMS];
@@ -108,7 +109,7 @@ static void set_scores(const scores *s, const double *fall, const double *size, 
         score[i] = size[i] > 0.0 ? fall[i] / size[i] : 0.0;
 }
 
-/* Each group's falls and sizes, and behind them those of all. */
+/* Compute each group's falls and sizes and, after them, those of all stamps. */
 static void set_responses(scores *s, const sign_histogram *h, double g, double width) {
     const size_t nb = (size_t)s->bins;
     const size_t all = SIGN_GROUPS * nb;
@@ -129,7 +130,7 @@ void scores_fit(scores *s, const sign_histogram *h, double g, double width) {
     const size_t nb = (size_t)s->bins;
     const size_t all = SIGN_GROUPS * nb;
     set_responses(s, h, g, width);
-    for (size_t i = 0; i < all; i++) { /* without the group */
+    for (size_t i = 0; i < all; i++) { /* all stamps but the group's */
         s->fall[i] = s->fall[all + i % nb] - s->fall[i];
         s->size[i] = s->size[all + i % nb] - s->size[i];
     }

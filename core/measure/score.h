@@ -1,10 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A bin's response is the decrease of n_i - n_-i from g - width to g + width. With few stamps it is
- * mostly noise. Therefore scores are not computed bin by bin, but as the curve a t + b t^2 that
+/* measure/score.h: the weight of each bin of a sign histogram in the shear: its response over its
+ * variance.
+ *
+ * Notes
+ *
+ * 1. A bin's response is the decrease of n_i - n_-i from g - width to g + width. With few stamps it
+ * is mostly noise. Therefore scores are not computed bin by bin, but as the curve a t + b t^2 that
  * fits responses over variances best, t = (i + 1/2)/bins: two numbers are found from the stamps
  * instead of one per bin. With more stamps there is a third term, and with many each bin has its
  * own score.
- * */
+ *
+ * 2. A score that follows the noise of its own stamps makes S(g) = sum_i score_i (n_i - n_-i) look
+ * steeper than it is. Therefore the slope of each group of stamps is computed with scores from all
+ * other groups, which do not contain this group's noise. */
 #ifndef SHEAR_MEASURE_SCORE_H
 #define SHEAR_MEASURE_SCORE_H
 

@@ -5,16 +5,16 @@
 
 #include <math.h>
 
-/* Places between the pixels are tried a quarter of a pixel apart at most. */
+/* Places between the pixels are at most a quarter of a pixel apart. */
 enum { PLACES = 4 };
 
-/* Below this part of the peak an image of a PSF is noise, or cut off. */
+/* Below this fraction of the peak, an image of a PSF is noise, or cut off. */
 static const double faint = 0.02;
 
 typedef struct sampled_psf {
     const double *psf;
     int nx, ny, q;
-    int fine; /* places a sample, along each axis */
+    int fine; /* places per sample, along each axis */
 } sampled_psf;
 
 typedef struct cell {
@@ -37,7 +37,7 @@ static cell cell_of(const sampled_psf *v, int x, int y) {
     return c;
 }
 
-/* The largest ratio so far, and where. */
+/* The largest ratio so far, and its place. */
 typedef struct summit {
     double ratio, x, y; /* samples */
 } summit;
@@ -47,7 +47,7 @@ static double ratio_of(double here, double left, double right, double below, dou
     return around > 0.0 ? here / around : INFINITY;
 }
 
-/* The places of one sample. */
+/* Try the places of one sample. */
 static void try_places(const sampled_psf *v, int x, int y, double least, summit *best) {
     const cell here = cell_of(v, x, y);
     const cell left = cell_of(v, x - v->q, y);
@@ -77,7 +77,8 @@ static void try_at(const sampled_psf *v, double x, double y, double least, summi
         *best = (summit){.ratio = ratio, .x = x, .y = y};
 }
 
-/* From the best place on, with halved steps: of a narrow PSF the ratio is a sharp peak, too. */
+/* Climb from the best place, with halved steps: for a narrow PSF the ratio has a sharp peak,
+ * too. */
 static void climb(const sampled_psf *v, double least, summit *best) {
     static const double smallest_px = 1.0 / 256.0;
     for (double step = 0.5 / v->fine; step > smallest_px * v->q && isfinite(best->ratio);) {
@@ -98,7 +99,7 @@ static double excess_at(const sampled_psf *v, int x, int y, double ratio) {
 
 static double largest_ratio(const sampled_psf *v, double least) {
     summit best = {.ratio = 1.0};
-    for (int y = -1; y < v->ny; y++) { /* places before the first sample, too */
+    for (int y = -1; y < v->ny; y++) { /* including places before the first sample */
         for (int x = -1; x < v->nx; x++) {
             const double near = fmax(fmax(sample(v, x, y), sample(v, x + 1, y)),
                                      fmax(sample(v, x, y + 1), sample(v, x + 1, y + 1)));

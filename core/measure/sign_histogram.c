@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Without branches, which nobody could predict here: the sides are random. */
+/* Return the sign of a value, without a branch: the signs are random, so it would be
+ * mispredicted. */
 static int side_of(double value) {
     return (value > 0.0) - (value < 0.0);
 }
@@ -41,7 +42,7 @@ static uint64_t bits_of(double value) {
     return bits;
 }
 
-/* The mixing is that of splitmix64. */
+/* Mixes as splitmix64 does. */
 uint8_t sign_histogram_group(double first, double second) {
     uint64_t z = bits_of(first) * UINT64_C(0x9E3779B97F4A7C15) + bits_of(second);
     z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);

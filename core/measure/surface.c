@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* What zeros=floor puts for a zero, in units of the image's brightest pixel: relative, so that the
- * result scales with the flux. */
+/* The value that replaces a zero under zeros=floor, in units of the image's brightest pixel, so
+ * that the result scales with the flux. */
 static const double floor_of_peak = 1e-12;
 
 static enum axis_kind axis_kind_of(enum shear_interpolation interpolation) {
@@ -48,7 +48,7 @@ void surface_grid_deinit(surface_grid *g) {
     axis_deinit(&g->y);
 }
 
-/* Slopes stay zero under the linear methods, and what is beyond the pixels always. */
+/* The arrays begin as zeros: slopes stay zero under the linear methods, and the padding always. */
 bool surface_init(surface *s, const surface_grid *g) {
     *s = (surface){0};
     if (g->x.kind == AXIS_NONE)
@@ -90,8 +90,8 @@ SHEAR_SIMD static void extremes(const double *pixels, size_t n, double *low, dou
     *high = most;
 }
 
-/* ln of a row of pixels. Zeros become marks (ln 0) or, under zeros=floor, the logarithm of `tiny`.
- */
+/* Take ln of a row of pixels. Zeros become marks (ln 0) or, under zeros=floor, the logarithm of
+ * `tiny`. */
 SHEAR_SIMD static void log_row(const double *pixels, size_t n, double pedestal, double tiny,
                                double *out) {
 #pragma omp simd
@@ -101,7 +101,7 @@ SHEAR_SIMD static void log_row(const double *pixels, size_t n, double pedestal, 
     }
 }
 
-/* The first pixel that is below the limit. */
+/* Find the first pixel that is below the limit. */
 static void find_negative(const surface_grid *g, const double *pixels, double limit, int *bad_x,
                           int *bad_y) {
     int i = 0;
@@ -111,7 +111,7 @@ static void find_negative(const surface_grid *g, const double *pixels, double li
     *bad_y = i / g->x.n;
 }
 
-/* The values to be interpolated: pixels, or their logarithms. */
+/* Load the values to be interpolated: pixels, or their logarithms. */
 static void load_rows(surface *s, const surface_grid *g, double tiny) {
     const size_t nx = (size_t)g->x.n;
     for (size_t j = 0; j < (size_t)g->y.n; j++) {
@@ -135,7 +135,7 @@ static void transpose(const surface_grid *g, const double *in, double *out) {
     }
 }
 
-/* Slopes along y with the columns for lanes, along x with the rows for lanes. */
+/* Compute slopes along y with columns as lanes, along x with rows as lanes. */
 static void load_slopes(surface *s, const surface_grid *g) {
     axis_slopes(&g->y, s->rows, s->row_slopes, g->wide, (int)g->wide);
     transpose(g, s->rows, s->f);
@@ -144,7 +144,7 @@ static void load_slopes(surface *s, const surface_grid *g) {
     axis_slopes(&g->x, s->fy, s->fxy, g->high, (int)g->high);
 }
 
-/* All lines of one direction, of transposed arrays. */
+/* Compute the slopes of all lines in one direction, of transposed arrays. */
 static void mark_slopes(const surface_grid *g, const double *marks, const double *f, double *e,
                         bool along_x) {
     const int lines = along_x ? g->y.n : g->x.n;
@@ -155,8 +155,8 @@ static void mark_slopes(const surface_grid *g, const double *marks, const double
     }
 }
 
-/* Beside marks the two directions do not commute: along x first would be another surface than along
- * y first, and imprint a shape. So the mixed slope is the mean of both orders. */
+/* Next to marks the two directions do not commute: slopes along x first would give another surface
+ * than along y first, and imprint a shape. Therefore the mixed slope is the mean of both orders. */
 static void load_marked_slopes(surface *s, const surface_grid *g) {
     const size_t n = g->wide * g->high;
     double *other = s->row_slopes;
@@ -197,8 +197,8 @@ bool surface_load(surface *s, const surface_grid *g, const double *pixels, int *
     return true;
 }
 
-/* Values at a fine column, all rows, and at a fine row, all columns of a strip: f = a f_left + b
- * f_right + c e_left + d e_right. */
+/* Mix values at a fine column, for all rows, or at a fine row, for all columns of a strip: f = a
+ * f_left + b f_right + c e_left + d e_right. */
 static SHEAR_INLINE void mix(axis_weights w, const double *f_left, const double *f_right,
                              const double *e_left, const double *e_right, size_t n, double *out) {
 #pragma omp simd
@@ -206,7 +206,7 @@ static SHEAR_INLINE void mix(axis_weights w, const double *f_left, const double 
         out[i] = w.a * f_left[i] + w.b * f_right[i] + w.c * e_left[i] + w.d * e_right[i];
 }
 
-/* A strip along x: from [x][y] to [y][FFT_LANES], FFT_LANES rows at a time. */
+/* Interpolate a strip along x: from [x][y] to [y][FFT_LANES], FFT_LANES rows at a time. */
 SHEAR_SIMD static void mix_columns(const axis_point *x, const double *f, const double *e,
                                    size_t high, double *out) {
     for (size_t y = 0; y < high; y += FFT_LANES) {
@@ -230,7 +230,7 @@ SHEAR_SIMD static void mix_rows(const axis_point *y, int y0, int y1, const doubl
     }
 }
 
-/* Both, where there are marks. */
+/* Interpolate values and slopes along x in an image with marks. */
 static void mix_marked_columns(surface *s, const surface_grid *g, const axis_point *x) {
     for (size_t y = 0; y < (size_t)g->y.n; y++) {
         for (size_t c = 0; c < FFT_LANES; c++) {

@@ -79,7 +79,7 @@ void shear_symmetry_powers(const shear_symmetry *s, double *weight, double *d) {
     }
 }
 
-/* A double as 8 bytes, the lowest first. */
+/* Store a double as 8 bytes, the lowest first. */
 static void put_double(double value, unsigned char *out) {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The shear of a field by PDF symmetrization: both components alternately, and their covariance. */
+/* The shear of a field by PDF symmetrization: both components in turn, and their covariance. */
 #include "base/cleanup.h"
 #include "measure/symmetry_solver.h"
 
@@ -9,10 +9,10 @@
 
 enum {
     PER_BIN = SHEAR_SYMMETRY_FEWEST,
-    MAX_ITERATIONS = 20 /* of alternation */
+    MAX_ITERATIONS = 20 /* of both components */
 };
 
-/* Groups, and weights as whole numbers; false where none is positive. */
+/* Set groups and integer weights. Return false if no weight is positive. */
 static bool set_weights(symmetry_solver *v) {
     double largest = 0.0;
     double sum = 0.0;
@@ -25,7 +25,7 @@ static bool set_weights(symmetry_solver *v) {
     for (size_t i = 0; i < v->s->n && largest > 0.0; i++) {
         const double part = v->s->stamps[i].weight / largest;
         v->weight[i] = (int32_t)lround(part * SHEAR_SYMMETRY_WEIGHTS);
-        sum += v->weight[i]; /* of whole numbers: exact */
+        sum += v->weight[i]; /* sums of integers: exact */
         squares += (double)v->weight[i] * v->weight[i];
     }
     const int terms = squares > 0.0 ? scores_terms(sum * sum / squares) : 0;
@@ -33,7 +33,7 @@ static bool set_weights(symmetry_solver *v) {
     return largest > 0.0;
 }
 
-/* First guesses, bins and scores of both components. */
+/* Set first guesses, bins and scores of both components. */
 static bool begin(symmetry_solver *v) {
     for (int iteration = 0; iteration < 2; iteration++) {
         for (int c = 0; c < 2; c++) {
@@ -59,12 +59,13 @@ static bool alternate(symmetry_solver *v) {
     return symmetry_solver_set_slope(v, 0) && symmetry_solver_set_slope(v, 1);
 }
 
-/* Covariance of the two shears: a stamp moves each by its score over the slope. */
+/* Compute the covariance of the two components: a stamp moves each by its score over the slope. */
 static int covariance(symmetry_solver *v, double *cov12, shear_error *err) {
     assert(v->components[0].slope > 0.0 && v->components[1].slope > 0.0);
     const size_t nb = (size_t)v->bins;
     CLEANUP(release_free)
-    int64_t *joint = calloc(nb * nb, sizeof *joint); /* w^2, by both bins, with both signs */
+    int64_t *joint =
+        calloc(nb * nb, sizeof *joint); /* w^2 with the product of the signs, by both bins */
     if (joint == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu bins", nb * nb);
     int bin[2] = {0, 0};
@@ -107,8 +108,8 @@ static int solve(symmetry_solver *v, shear_result *out, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Does the mean say that there are no galaxies to be symmetric? Somewhat too little signal for the
- * mean may be enough here; but noise alone has a symmetry, too. */
+/* Return whether the mean shows that there are no galaxies to symmetrize. A signal a little too
+ * small for the mean may be enough here; but noise alone has a symmetry, too. */
 static bool hopeless(const shear_result *mean) {
     static const double least_signal = 3.0;
     return mean->why != SHEAR_HAS_SHEAR &&

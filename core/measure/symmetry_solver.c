@@ -6,8 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double widest = 1.0;  /* |g| */
-static const double scatter = 0.3; /* of the weight changes sides within the responses' range */
+static const double widest = 1.0; /* largest |g| */
+static const double scatter =
+    0.3; /* fraction of the weight that changes sides within the range of the responses */
 static const double guess_tolerance = 1e-6;
 
 static bool allocate(symmetry_solver *v) {
@@ -63,7 +64,7 @@ symmetry_terms symmetry_solver_terms(const symmetry_solver *v, size_t i) {
     return t;
 }
 
-/* Values and responses of component c, the other component held where it is. */
+/* Load the values and responses of component c, with the other component fixed. */
 static sign_histogram load(symmetry_solver *v, int c) {
     const double other = v->components[1 - c].g;
     for (size_t i = 0; i < v->s->n; i++) {
@@ -92,7 +93,7 @@ static double balance_at(void *context, double g) {
     return (double)sign_histogram_balance(b->histogram, g) - b->level;
 }
 
-/* Where the balance falls through `level`; for 0, the weighted median of x/b. */
+/* Find where the balance falls through `level`; for 0, the weighted median of x/b. */
 static bool find_balance(const sign_histogram *h, double level, double *g) {
     balance b = {.histogram = h, .level = level};
     const monotone f = {.at = balance_at, .context = &b};
@@ -102,8 +103,8 @@ static bool find_balance(const sign_histogram *h, double level, double *g) {
     return true;
 }
 
-/* Where `scatter` of the weight has changed sides, below (sign -1) or above g; where noise in the
- * responses keeps the balance smaller than that up to |g| = 1, half of what it reaches. */
+/* Find where `scatter` of the weight has changed sides, below (sign -1) or above g. If noise in the
+ * responses keeps the balance smaller than that up to |g| = 1, use half of what it reaches. */
 static bool find_scatter(const sign_histogram *h, double sign, double *g) {
     int64_t all = 0;
     for (size_t i = 0; i < h->n; i++)
@@ -113,7 +114,7 @@ static bool find_scatter(const sign_histogram *h, double sign, double *g) {
     return find_balance(h, -sign * level, g);
 }
 
-/* Bins about a->g, and the scores. */
+/* Set bins about a->g, and the scores. */
 static bool set_scores(symmetry_solver *v, solver_component *a, const sign_histogram *h) {
     double low;
     double high;
@@ -133,7 +134,7 @@ bool symmetry_solver_guess(symmetry_solver *v, int c, bool scored) {
 
 /* ---- the score ---- */
 
-/* S, and the variance that the stamps' random signs give it. */
+/* Return S, and its variance from the stamps' random signs. */
 static double score_at(symmetry_solver *v, const solver_component *a, const sign_histogram *h,
                        double g, double *variance) {
     const double *score = a->scores.all;
@@ -159,7 +160,8 @@ static double total_score_at(void *context, double g) {
     return score_at(s->solver, s->component, s->histogram, g, &variance);
 }
 
-/* From g outwards, in growing steps to the side `sign`, to where S has the sign of -`sign`. */
+/* Search from g outwards, in growing steps to the side `sign`, for a place where S has the sign of
+ * -`sign`. Return false if there is none. */
 static bool find_side(total_score *s, double sign, double step, double *g) {
     *g = s->component->g + sign * step;
     while (fabs(*g) < 2.0 * widest) {
@@ -171,7 +173,7 @@ static bool find_side(total_score *s, double sign, double step, double *g) {
     return false;
 }
 
-/* The root of S, looked for about g first. */
+/* Find the root of S, near g first. */
 static bool find_root(symmetry_solver *v, solver_component *a, const sign_histogram *h,
                       double step) {
     total_score s = {.solver = v, .component = a, .histogram = h};
@@ -184,7 +186,7 @@ static bool find_root(symmetry_solver *v, solver_component *a, const sign_histog
     return true;
 }
 
-/* With the best of scores S varies by as much as it falls: sigma before the slope is known. */
+/* Guess sigma before the slope is known: with ideal scores the variance of S equals its slope. */
 static bool guess_sigma(symmetry_solver *v, solver_component *a, const sign_histogram *h) {
     double information;
     score_at(v, a, h, a->g, &information);
@@ -201,7 +203,7 @@ bool symmetry_solver_find(symmetry_solver *v, int c) {
     return find_root(v, a, &h, first ? a->sigma : 0.1 * a->sigma);
 }
 
-/* Over a range where neither steps nor the bend of S matter. */
+/* The slope is taken over a range where neither the steps nor the curvature of S matter. */
 bool symmetry_solver_set_slope(symmetry_solver *v, int c) {
     solver_component *a = &v->components[c];
     const sign_histogram h = load(v, c);

@@ -8,7 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* |W_beta|^2 on the modes, with the factor of both halves and the integrals' over the plane. */
+/* Fill |W_beta|^2 on the modes, with the factor of both halves and that of integrals over the
+ * plane. */
 static void fill_target(transfer_plan *p) {
     const double ux = 2.0 * M_PI / p->nx;
     const double uy = 2.0 * M_PI / p->ny;
@@ -25,9 +26,9 @@ static void fill_target(transfer_plan *p) {
     }
 }
 
-/* Fine points of the PSF along an axis. The closing cells of its interpolation are left out: its
- * image is no period, and what lies beyond its last sample on one side only would shift and shear
- * it. */
+/* Return the fine points of the PSF along an axis, without the closing cells of its interpolation:
+ * its image is not periodic, and what lies beyond its last sample, on one side only, would shift
+ * and shear it. */
 static int psf_fine(const axis *ax) {
     return ax->n * ax->s - (ax->s - 1);
 }
@@ -77,7 +78,7 @@ void transfer_deinit(transfer *t) {
     *t = (transfer){0};
 }
 
-/* The smallest ky^2 of a column at which |W|^2 is below the threshold, or not a number. */
+/* Return the smallest ky^2 of a column at which |W|^2 is below the threshold, or NaN. */
 SHEAR_SIMD static double lowest_below(const double *power, const double *ky2, size_t n,
                                       double threshold) {
     double lowest = INFINITY;
@@ -89,8 +90,8 @@ SHEAR_SIMD static double lowest_below(const double *power, const double *ky2, si
     return lowest;
 }
 
-/* The isotropic cut: the smallest |k| at which |W|^2 is below the threshold, at most the Nyquist
- * circle. */
+/* Return the isotropic cut: the smallest |k| at which |W|^2 is below the threshold, at most the
+ * Nyquist circle. */
 static double find_cut(const transfer_plan *p, const transfer_scratch *t) {
     const double ux = 2.0 * M_PI / p->nx;
     double cut2 = p->k_limit * p->k_limit;
@@ -103,10 +104,10 @@ static double find_cut(const transfer_plan *p, const transfer_scratch *t) {
     return sqrt(cut2);
 }
 
-/* What is below this is inside the cut. The root rounds, and so does the k^2 of every mode: those
- * of the cut's own |k| may come out a little smaller than it. They are beyond it like the cut mode
- * itself, by which nothing may be divided. Modes of another |k| differ by 10^-12 of k^2 at least.
- */
+/* Return the limit of k^2 inside the cut. The square root rounds, and so does the k^2 of every
+ * mode: modes with the cut's own |k| may come out slightly below it. They belong outside like the
+ * cut mode itself, by whose |W|^2 nothing may be divided. Modes of another |k| differ by at least
+ * 1e-12 of k^2. */
 static double inside_cut(double k_cut) {
     return k_cut * k_cut * (1.0 - 0x1p-46);
 }
@@ -116,7 +117,7 @@ double transfer_power_beyond(double beta_px, double k_cut) {
     return (1.0 + x + 0.5 * x * x) * exp(-x);
 }
 
-/* Rounded up to what a message prints, so that the printed number works. */
+/* Rounded up to the digits that a message prints, so that the printed number works. */
 double transfer_smallest_beta(double k_cut, double tolerance) {
     double low = 0.0;
     double high = 1.0;
@@ -143,7 +144,7 @@ SHEAR_SIMD static void fill_column(const double *target, const double *power, co
         t[jy] = kx2 + ky2[jy] < cut2 ? target[jy] / power[jy] : 0.0;
 }
 
-/* T from |W|^2: columns [-jx, jx], whole groups of rows up to jy. */
+/* Compute T from |W|^2: columns [-jx, jx], whole groups of rows up to jy. */
 static void fill_table(transfer *t, const transfer_plan *p, const transfer_scratch *scratch) {
     const double ux = 2.0 * M_PI / p->nx;
     for (int jx = -t->jx; jx <= t->jx; jx++) {
@@ -153,7 +154,7 @@ static void fill_table(transfer *t, const transfer_plan *p, const transfer_scrat
     }
 }
 
-/* The largest k^4 T of a column. */
+/* Return the largest k^4 T of a column. */
 SHEAR_SIMD static double largest_weight(const double *t, const double *ky2, double kx2, size_t n) {
     double most = 0.0;
 #pragma omp simd reduction(max : most)
@@ -165,7 +166,7 @@ SHEAR_SIMD static double largest_weight(const double *t, const double *ky2, doub
     return most;
 }
 
-/* The largest k^2 of a column whose k^4 T is more than `least`. */
+/* Return the largest k^2 of a column whose k^4 T is more than `least`. */
 SHEAR_SIMD static double farthest(const double *t, const double *ky2, double kx2, size_t n,
                                   double least) {
     double most = 0.0;
@@ -178,8 +179,8 @@ SHEAR_SIMD static double farthest(const double *t, const double *ky2, double kx2
     return most;
 }
 
-/* What a transfer lets through at its edge is often so little that it is not worth its transforms.
- */
+/* Return the |k| beyond which T is negligible: a transfer's edge is often not worth its
+ * transforms. */
 static double find_reach(const transfer *t, const transfer_plan *p) {
     static const double nothing = 1e-15;
     const double ux = 2.0 * M_PI / p->nx;
@@ -204,8 +205,8 @@ SHEAR_SIMD static void end_column(const double *ky2, double kx2, double reach2, 
         t[jy] = kx2 + ky2[jy] <= reach2 ? t[jy] : 0.0;
 }
 
-/* T = 0 beyond its reach; modes of the same |k| as the farthest one count like it, however they
- * round. */
+/* Set T = 0 beyond its reach. Modes of the same |k| as the farthest one are kept like it, however
+ * they round. */
 static void end_table(transfer *t, const transfer_plan *p) {
     const double ux = 2.0 * M_PI / p->nx;
     const double reach2 = t->k_reach * t->k_reach * (1.0 + 0x1p-46);
@@ -221,7 +222,7 @@ static int last_mode(double k_cut, int n, int max_j) {
     return j < max_j ? j : max_j;
 }
 
-/* One mode more than the root says, which rounds. */
+/* Return one mode more than the root gives, because it rounds. */
 static int reach_mode(double k, int n, int max_j) {
     return last_mode(k, n, max_j - 1) + 1;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From a PSF image to |W(k)|^2 on the modes of a stamp: interpolated, folded onto the period of the
- * stamp, and transformed, two strips of columns at a time. */
+/* Compute |W(k)|^2 on the modes of a stamp from a PSF image: interpolate it, alias it onto the
+ * stamp's period, and transform it, two strips of columns at a time. */
 #include "measure/transfer.h"
 
 #include "base/simd.h"
@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Columns that are transformed along y together: two strips, one real and one imaginary. */
+/* Columns that are transformed along y together: two strips, one as real and one as imaginary
+ * part. */
 enum { PAIR = 2 * FFT_LANES };
 
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
@@ -36,8 +37,8 @@ void transfer_scratch_deinit(transfer_scratch *t) {
     *t = (transfer_scratch){0};
 }
 
-/* The PSF aliased onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that period).
- */
+/* Alias the PSF onto the stamp's period. This is exact: at the stamp's modes exp(-ikx) has that
+ * period. */
 static void alias_psf(const transfer_plan *p, transfer_scratch *t) {
     if (p->grid.x.kind == AXIS_NONE && p->psf_nx <= p->period_nx && p->psf_ny <= p->period_ny) {
         const size_t nx = (size_t)p->psf_nx;
@@ -63,9 +64,12 @@ static void alias_psf(const transfer_plan *p, transfer_scratch *t) {
     }
 }
 
-/* Rows jy of one group from two strips a + i b that were transformed as one: twice their modes,
+/* Separate rows jy of one group of two strips a + i b that were transformed as one. The results are
+ * twice their modes,
+ *
  *     A(k) = (Z(k) + Z*(-k)) / 2,    B(k) = (Z(k) - Z*(-k)) / 2i.
- * z begins at row jy, mirrored at row -jy, whose rows go backwards. */
+ *
+ * z begins at row jy, mirrored at row -jy, whose rows run backwards. */
 SHEAR_SIMD static void part_strips(const double *zr, const double *zi, const double *mr,
                                    const double *mi, double parts[4][FFT_LANES * FFT_LANES]) {
     for (ptrdiff_t r = 0; r < FFT_LANES; r++) {
@@ -85,7 +89,7 @@ static double *group_modes(const transfer_scratch *t, size_t group, size_t part)
     return t->modes + (2 * group + part) * t->aliased_stride * FFT_LANES;
 }
 
-/* Two strips of the aliased PSF, from column x0 on, along y. */
+/* Transform two strips of the aliased PSF along y, from column x0 on. */
 static void transform_pair(const transfer_plan *p, const transfer_scratch *t, size_t x0) {
     const size_t ny = (size_t)p->period_ny;
     const double *from = t->aliased + x0;
@@ -105,8 +109,8 @@ static void transform_pair(const transfer_plan *p, const transfer_scratch *t, si
     }
 }
 
-/* |scale W|^2 of one group of rows; scale W(0) = 1. The amplitude first, squared after: a PSF's
- * flux is in any unit, and its square may leave the range of double. */
+/* Compute |scale W|^2 of one group of rows; scale W(0) = 1. The amplitude is scaled before it is
+ * squared: a PSF's flux may have any unit, and its square may overflow. */
 SHEAR_SIMD static void square_rows(fft_lanes modes, int nx, int max_jx, size_t stride, double scale,
                                    double *power) {
     for (int jx = -max_jx; jx <= max_jx; jx++) {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The scratch memory of one thread. */
+/* Allocate and free the scratch memory of one thread. */
 #include "measure/internal.h"
 
 #include <stdlib.h>
 
-/* Room for the rows of modes that any transfer of the plan may want. */
+/* Allocate memory for the rows of modes that any transfer of the plan may need. */
 static bool modes_init(shear_workspace *ws, const shear_plan *plan) {
     const transfer widest = {.jy = plan->has_psf ? plan->transfer.jy : plan->transfer_plan.max_jy};
     const size_t groups = (size_t)mode_groups_last(plan, &widest) + 1;
-    /* A column more, so that parts do not share cache sets. */
+    /* One more column, so that the parts do not share cache sets. */
     ws->lane_size = ((size_t)plan->info.fine_nx + 1) * FFT_LANES;
     ws->modes = fft_alloc(4 * groups * ws->lane_size * sizeof *ws->modes);
     return ws->modes != NULL;
