@@ -17,7 +17,8 @@ size_t array_next_capacity(size_t capacity, size_t needed, size_t item_size) {
 }
 
 bool array_reserve_exact(void *items, size_t *capacity, size_t needed, size_t item_size) {
-    void *old = NULL; /* copied: a pointer to another type must not be read as a void pointer */
+    void *old =
+        NULL; /* copied, because a pointer to another type must not be read as a void pointer */
     memcpy(&old, items, sizeof old);
     if (needed <= *capacity)
         return true;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* From `offset`, or from the descriptor's position if that is negative. */
+/* Read from `offset`, or from the descriptor's position if `offset` is negative. */
 static ssize_t read_all(int fd, char *buffer, size_t size, off_t offset) {
     size_t done = 0;
     while (done < size) {
@@ -60,7 +60,7 @@ int io_open_nameless(const char *directory) {
     const int fd = open(directory, O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600);
     if (fd >= 0)
         return fd;
-    /* Not every file system knows O_TMPFILE. */
+    /* Not every file system supports O_TMPFILE. */
     char path[4300];
     const int n = snprintf(path, sizeof path, "%s/.shear-XXXXXX", directory);
     if (n < 0 || (size_t)n >= sizeof path) {

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { LONGEST = 48 }; /* no name of ours is longer; what is longer resembles none */
+enum { LONGEST = 48 }; /* longer than any name in this project; a longer name has no match */
 
 bool spelling_same(const char *a, const char *b) {
     for (; *a != '\0' && *b != '\0'; a++, b++) {
@@ -23,8 +23,8 @@ static int folded(char c) {
     return c == '-' ? '_' : tolower((unsigned char)c);
 }
 
-/* Letters to insert, delete, change or swap with their neighbour to make b of a (the distance of
- * Damerau and Levenshtein, no letter being changed twice). */
+/* Return the number of letters to insert, delete, change or swap with the next one to turn a into b
+ * (the Damerau-Levenshtein distance in which no letter is changed twice). */
 static unsigned distance(const char *a, size_t na, const char *b, size_t nb) {
     unsigned d[LONGEST + 1][LONGEST + 1];
     for (size_t i = 0; i <= na; i++) {

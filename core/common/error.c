@@ -41,7 +41,7 @@ int shear_fail(shear_error *err, int code, const char *advice, const char *forma
 int shear_prefix(shear_error *err, int code, const char *format, ...) {
     if (err == NULL)
         return code;
-    /* Room for both: what does not fit the message is cut off at its end. */
+    /* Memory for both texts; what does not fit the message is cut off at its end. */
     char joined[2 * sizeof err->message];
     va_list args;
     va_start(args, format);

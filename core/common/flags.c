@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names of the flags of a row. */
+/* Names and explanations of a row's flags, and the check of a weight. */
 #include "shear/stamp.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* common/release.h: TYPE_release of libshear's own types, for CLEANUP (base/cleanup.h). */
+/* common/release.h: TYPE_release functions of libshear's own types, for CLEANUP
+ * (base/cleanup.h). */
 #ifndef SHEAR_COMMON_RELEASE_H
 #define SHEAR_COMMON_RELEASE_H
 

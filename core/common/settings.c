@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Settings by their names and as texts. */
+/* Set and format settings by name and as text. */
 #include "shear/settings.h"
 
 #include "base/spelling.h"
@@ -13,7 +13,7 @@ static void *member(shear_settings *s, const shear_setting_def *def) {
     return (char *)s + def->offset;
 }
 
-/* All settings at once. */
+/* Set all settings to a preset's values. */
 static void apply_preset(shear_settings *s, enum shear_preset preset) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
@@ -137,7 +137,7 @@ static size_t size_of(const shear_setting_def *def) {
                                          : sizeof(int);
 }
 
-/* What has been given of `from`, to *s. */
+/* Copy the settings that have been given from `from` to *s. */
 static void keep_given(shear_settings *s, const shear_settings *from, const bool *given) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);

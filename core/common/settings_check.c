@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Are settings sound, and do they go together? */
+/* Check that each setting is in its range and that they do not contradict each other. */
 #include "shear/settings.h"
 
 #include <math.h>
@@ -30,7 +30,7 @@ static bool in_range(const shear_settings *s, const shear_setting_def *def) {
     }
 }
 
-/* Values set by hand, not through shear_settings_set. */
+/* Check values that were set directly, not through shear_settings_set. */
 static int check_ranges(const shear_settings *s, shear_error *err) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);

@@ -7,8 +7,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Not shown: controls, and what Unicode calls format characters or leaves without a glyph. Sorted.
- */
+/* Characters that are not shown: controls, and those that Unicode calls format characters or
+ * defines without a glyph. Sorted. */
 static const struct {
     uint32_t first, last;
 } hidden[] = {

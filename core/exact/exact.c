@@ -86,7 +86,7 @@ char *exact_format(const exact_sum *sums, int i) {
 }
 
 bool exact_parse(exact_sum *sums, int i, const char *text) {
-    /* The largest sum that can occur: 2^63 terms of 2^1024. Longer text is no sum of ours. */
+    /* The largest sum possible is 2^63 terms of 2^1024. Longer text is not one of these sums. */
     enum { MAX_DIGITS = (1024 + 1074 + 64) / 4 + 2 };
     const size_t length = strnlen(text, MAX_DIGITS + 1);
     const size_t sign = text[0] == '-' ? 1 : 0;

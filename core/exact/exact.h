@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* exact/exact.h: an exact sum of doubles.
+/* exact/exact.h: exact sums of doubles.
  *
- * Every finite double is an integer multiple of 2^-1074; the sum is kept as that integer (GMP), so
- * adding and joining never round and the order does not matter. Only exact_value rounds, once, to
- * the nearest double (a tie goes away from zero).
- */
+ * Every finite double is an integer multiple of 2^-1074. A sum is kept as that integer (GMP), so
+ * that adding and joining never round and the order does not matter. Only exact_value rounds, once,
+ * to the nearest double (ties away from zero). */
 #ifndef SHEAR_EXACT_EXACT_H
 #define SHEAR_EXACT_EXACT_H
 
@@ -12,15 +11,15 @@
 
 typedef struct exact_sum exact_sum;
 
-exact_sum *exact_new(int n); /* an array of n zero sums; NULL when memory is out */
+exact_sum *exact_new(int n); /* an array of n zero sums; NULL if out of memory */
 void exact_free(exact_sum *sums, int n);
 void exact_add(exact_sum *sums, int i, double value); /* value must be finite */
 void exact_join(exact_sum *sums, const exact_sum *other, int n);
-void exact_leave(exact_sum *sums, const exact_sum *other, int n); /* undoes exact_join */
+void exact_leave(exact_sum *sums, const exact_sum *other, int n); /* reverses exact_join */
 double exact_value(const exact_sum *sums, int i);
-/* Hexadecimal text of sum i, malloc'd; NULL when memory is out. */
+/* Return sum i as hexadecimal text, malloc'd; NULL if out of memory. */
 char *exact_format(const exact_sum *sums, int i);
-/* Read it back; false where the text is not such a number. */
+/* Set sum i from such text. Return false if the text is not such a number. */
 bool exact_parse(exact_sum *sums, int i, const char *text);
 
 #endif

@@ -14,7 +14,7 @@
 
 enum { ALIGNMENT = 64, MAX_PASSES = 32 };
 
-/* FFTW's planner keeps global state: only fftw_execute* may run beside it. */
+/* FFTW's planner has global state: only fftw_execute* may run concurrently with it. */
 static pthread_mutex_t planner = PTHREAD_MUTEX_INITIALIZER;
 
 struct fft_plan {
@@ -22,7 +22,7 @@ struct fft_plan {
     int n_passes;
     fft_pass pass[MAX_PASSES];
     double *twiddles;
-    fftw_plan other; /* where n has other factors: from lanes to lanes */
+    fftw_plan other; /* if n has other factors: from lanes to lanes */
 };
 
 void *fft_alloc(size_t bytes) {
@@ -52,7 +52,8 @@ size_t fft_padded(int n) {
     return ((size_t)n + FFT_LANES - 1) / FFT_LANES * FFT_LANES;
 }
 
-/* Whether passes do it all; the largest table of twiddles has n numbers (cos, sin) a pass. */
+/* Split n into passes. Return false if n has other factors. The twiddles take at most n numbers
+ * (cos, sin) per pass. */
 static bool find_passes(fft_plan *plan) {
     int left = plan->n;
     int done = 1;
@@ -84,7 +85,8 @@ static bool make_twiddles(fft_plan *plan) {
     return plan->twiddles != NULL;
 }
 
-/* FFTW's vector codelets want complex numbers: for split ones it takes several times as long. */
+/* Make a plan of FFTW for interleaved complex numbers: its vector codelets need them, and split
+ * ones take several times as long. */
 static bool make_other(fft_plan *plan) {
     const size_t points = (size_t)plan->n * FFT_LANES;
     fftw_complex *in = fft_alloc(points * sizeof *in);

@@ -6,8 +6,8 @@
 
 #include <stdbool.h>
 
-/* Three passes of radix 4 are a little faster than two of radix 8, four of them slower than three
- * of radices 8 and 4: 64 = 4 4 4, 256 = 8 8 4. Odd radices come last, without twiddles. */
+/* Three passes of radix 4 are a little faster than two of radix 8; four of radix 4 are slower than
+ * three of radices 8 and 4: 64 = 4 4 4, 256 = 8 8 4. Odd radices come last, without twiddles. */
 int fft_pass_radix(int n) {
     int twos = 0;
     while (n % (2 << twos) == 0)
@@ -17,7 +17,7 @@ int fft_pass_radix(int n) {
     return twos == 1 ? 2 : twos % 2 == 1 || twos > 6 ? 8 : 4;
 }
 
-/* A complex number of one lane. */
+/* A complex number in one lane. */
 typedef struct cx {
     double re, im;
 } cx;
@@ -38,7 +38,7 @@ static SHEAR_INLINE cx minus_i(cx a) { /* times -i */
     return (cx){a.im, -a.re};
 }
 
-/* Short transforms, in place and in order. */
+/* Short transforms, in place and in natural order. */
 static SHEAR_INLINE void dft2(cx *a, cx *b) {
     const cx sum = add(*a, *b);
     *b = sub(*a, *b);
@@ -67,7 +67,7 @@ static SHEAR_INLINE void dft3(cx *a, cx *b, cx *c) {
 }
 
 static SHEAR_INLINE void dft5(cx *a, cx *b, cx *c, cx *d, cx *e) {
-    const double c1 = 0.30901699437494742410; /* cos, sin of 72 and 144 degrees */
+    const double c1 = 0.30901699437494742410; /* cos and sin of 72 and 144 degrees */
     const double c2 = -0.80901699437494742410;
     const double s1 = 0.95105651629515357212;
     const double s2 = 0.58778525229247312917;
@@ -86,7 +86,7 @@ static SHEAR_INLINE void dft5(cx *a, cx *b, cx *c, cx *d, cx *e) {
     *d = sub(even2, odd2);
 }
 
-/* even: points 0, 2, 4, 6; odd: 1, 3, 5, 7. They become points 0 to 3 and 4 to 7. */
+/* even: points 0, 2, 4, 6; odd: points 1, 3, 5, 7. The results are points 0 to 3 and 4 to 7. */
 static SHEAR_INLINE void dft8(cx even[4], cx odd[4]) {
     const double root_half = 0.70710678118654752440;
     dft4(&even[0], &even[1], &even[2], &even[3]);
@@ -100,7 +100,8 @@ static SHEAR_INLINE void dft8(cx even[4], cx odd[4]) {
     dft2(&even[3], &odd[3]);
 }
 
-/* Where the butterflies of one p read and write: block j at [j apart], lanes side by side. */
+/* The addresses that the butterflies of one p read and write: block j is at [j apart], with its
+ * lanes side by side. */
 typedef struct strands {
     const double *re, *im;
     double *out_re, *out_im;
@@ -119,7 +120,7 @@ static SHEAR_INLINE void store(const strands *t, bool rotated, size_t k, size_t 
     t->out_im[k * t->out_apart + l] = rotated ? z.re * d + z.im * c : z.im;
 }
 
-/* `rotated`: times the twiddles, which are all 1 for p = 0. A constant where this is inlined. */
+/* `rotated`: multiply by the twiddles, which are all 1 for p = 0. It is a constant once inlined. */
 typedef void butterfly(const strands *t, bool rotated, size_t l);
 
 static SHEAR_INLINE void butterfly2(const strands *t, bool rotated, size_t l) {
@@ -180,7 +181,7 @@ static SHEAR_INLINE void butterfly8(const strands *t, bool rotated, size_t l) {
     store(t, rotated, 7, l, odd[3]);
 }
 
-/* All butterflies of a pass. `one` and `radix` are constants where this is inlined. */
+/* Run all butterflies of a pass. `one` and `radix` are constants once inlined. */
 static SHEAR_INLINE void run(const fft_pass *pass, butterfly *one, size_t radix, const double *re,
                              const double *im, size_t step, double *out_re, double *out_im) {
     const size_t s = (size_t)pass->s;

@@ -26,8 +26,8 @@ void reach_deinit(reach *r);
 void reach_add(reach *r, const double *galaxy, const double *noise);
 
 /* Set *core to the smallest core, a multiple of 1/4 px and at least 2 beta, with which a filter of
- * this width takes less than 1e-3 of the shear; NaN if the stamps are too small for it, or too few
- * or too faint to decide. Return false if out of memory. */
+ * this width takes less than 1e-4 of the mean profile's shear; NaN if the stamps are too small for
+ * it, or too few or too faint to decide. Return false if out of memory. */
 bool reach_core(reach *r, double r_psf, double beta, double width, double *core);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Arrays in the caller's memory as a field: the same plan, work and sums as of a field file. */
+/* Measure arrays in the caller's memory like a field file, with the same plan, work and sums. */
 #include "shear/arrays.h"
 
 #include "common/release.h"
@@ -11,13 +11,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* As of a field file (docs/field-files.md). */
+/* Limits as for a field file (docs/field-files.md). */
 enum { MIN_PSF_SIDE = 3, MAX_PSF_SIDE = 4096, MAX_PSF_OVERSAMPLE = 64 };
 
-/* What one thread gets its stamps in: views of the caller's arrays, or copies in `copies`. */
+/* One thread's stamps: views of the caller's arrays, or of the copies in `copies`. */
 typedef struct array_slot {
     shear_block view;
-    shear_block *copies; /* NULL if all arrays are plain */
+    shear_block *copies; /* NULL if all arrays are doubles without gaps */
 } array_slot;
 
 /* The arrays as a source of stamps. */
@@ -29,7 +29,7 @@ typedef struct array_source {
     int n_slots;
 } array_source;
 
-/* ---- what the field is ---- */
+/* ---- the field ---- */
 
 static int check_geometry(const shear_geometry *g, shear_error *err) {
     const bool stamps = g->nx >= SHEAR_MIN_SIDE && g->nx <= SHEAR_MAX_SIDE &&
@@ -140,14 +140,14 @@ static void array_source_deinit(array_source *s) {
     free(s->slots);
 }
 
-/* The PSFs of stamps [first, first+count), converted; neighbours mostly share theirs. */
+/* Convert the PSFs of stamps [first, first+count). Consecutive stamps mostly have the same one. */
 static void convert_psfs(const array_source *s, int64_t first, int count, shear_block *copies,
                          shear_stamps *stamps) {
     const shear_geometry *g = &s->info.geometry;
     const size_t samples = (size_t)g->psf_nx * (size_t)g->psf_ny;
     const int32_t *index = s->in->psf_index;
     int n = 0;
-    assert(copies != NULL); /* init_slots */
+    assert(copies != NULL); /* allocated by init_slots, because the PSFs are not plain */
     for (int i = 0; i < count; i++) {
         const int64_t wanted = index != NULL ? index[first + i] : first + i;
         if (wanted < 0 || wanted >= s->info.n_psf) {
@@ -211,7 +211,7 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* ---- the whole ---- */
+/* ---- plan, measure, sum ---- */
 
 static int make_plan(shear_plan **plan, array_source *s, const shear_settings *settings,
                      int capacity, shear_error *err) {
@@ -236,7 +236,7 @@ static int keep_rows(void *self, int64_t first, int count, const shear_row *rows
     return SHEAR_OK;
 }
 
-/* The errors of *result by a jackknife of so many groups. */
+/* Replace the errors of *result by those of a jackknife with so many groups. */
 static int jackknife_errors(int groups, const shear_jackknife *blocks, shear_result *result,
                             shear_error *err) {
     CLEANUP(shear_jackknife_release) shear_jackknife *jackknife = NULL;

@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-/* A row of n pixels, `step` bytes apart. */
+/* Convert a row of n pixels, `step` bytes apart. */
 typedef void convert_row(const char *in, ptrdiff_t step, int n, double *out);
 
 #define CONVERT_ROW(name, pixel)                                                                   \
@@ -36,7 +36,7 @@ static bool has_strides(const shear_images *in) {
     return in->image != 0 || in->plane != 0 || in->row != 0 || in->column != 0;
 }
 
-/* The images without gaps. */
+/* Return the same images with the strides of an array without gaps. */
 static shear_images packed(const shear_images *in, int planes, int nx, int ny) {
     shear_images m = *in;
     m.column = types[in->type].size;

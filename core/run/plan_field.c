@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The plan for a field file: its PSF decides the automatic settings. */
+/* Make the plan for a field file; its PSF decides the automatic settings. */
 #include "shear/run.h"
 
 #include "base/cleanup.h"
@@ -10,7 +10,7 @@
 
 enum { MAX_PSFS_FOR_RADIUS = 256 };
 
-/* Evenly spaced PSFs are looked at; `psf` is room for one. */
+/* Examine evenly spaced PSFs. `psf` is memory for one image, `each` for the results. */
 static int look_at_some(shear_psf_source psfs, const shear_field_info *info, double *psf,
                         shear_psf_quality *each, shear_plan_request *request, shear_error *err) {
     const shear_geometry *g = &info->geometry;
@@ -39,7 +39,8 @@ static double median_radius(const shear_plan_request *request) {
     return radius[request->n_psfs / 2];
 }
 
-/* Of a field whose stamps have PSFs of their own; unusable ones do not count for the radius. */
+/* Read the sample of a field whose stamps have PSFs of their own. Unusable PSFs are left out of the
+ * radius. */
 static int read_sample(shear_plan_request *request, const shear_field_info *info,
                        shear_psf_source psfs, double *psf, shear_error *err) {
     shear_psf_quality *each = calloc(MAX_PSFS_FOR_RADIUS, sizeof *each);

@@ -30,7 +30,7 @@ void reorder_buffer_deinit(reorder_buffer *b) {
     *b = (reorder_buffer){0};
 }
 
-/* Blocks that come next. */
+/* Add the blocks that come next. */
 static int sum_next(reorder_buffer *b, const block_result *r, shear_error *err) {
     assert(r->block == b->next_block);
     int code = r->terms != NULL ? shear_symmetry_join(b->terms, r->terms, 0, err) : SHEAR_OK;
@@ -68,7 +68,7 @@ static int keep_early(reorder_buffer *b, const block_result *r, shear_error *err
     return SHEAR_OK;
 }
 
-/* Whatever was kept and comes next now. */
+/* Add all kept results that come next now. */
 static int sum_early(reorder_buffer *b, shear_error *err) {
     int code = SHEAR_OK;
     for (size_t i = 0; i < b->n_early && code == SHEAR_OK;) {

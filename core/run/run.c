@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One field file from disk, through a team of OpenMP threads. */
+/* Measure one field file with a team of OpenMP threads: shear_run_file(). */
 #include "shear/run.h"
 
 #include "base/clock.h"
@@ -15,7 +15,7 @@ static int write_catalog(void *self, int64_t first, int count, const shear_row *
     return shear_catalog_write(self, first, count, rows, block, err);
 }
 
-/* Put the catalog in place; frees it. */
+/* Put the catalog in place. Frees it, also on error. */
 static int finish_catalog(shear_catalog *catalog, const shear_plan *plan,
                           const shear_result *result, const shear_input *input,
                           const shear_field_info *info, const shear_run_options *options,
@@ -33,12 +33,12 @@ static int finish_catalog(shear_catalog *catalog, const shear_plan *plan,
                                 options->checksum != NULL ? options->checksum : checksum, err);
 }
 
-/* What a run owns besides the open field. */
+/* What a run owns in addition to the open field. */
 typedef struct run {
     shear_plan *plan;
     shear_catalog *catalog;
     file_source source;
-    team_sums sums; /* of this file, joined to the caller's at the end */
+    team_sums sums; /* of this file; joined to the caller's at the end */
 } run;
 
 static void run_deinit(run *r) {
@@ -61,7 +61,7 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
     return code != SHEAR_OK ? code : file_source_init(&r->source, field, threads, capacity, err);
 }
 
-/* Measure an open field; on success the report's result and the catalog are complete. */
+/* Measure an open field. On success the report's result and the catalog are complete. */
 static int run_field(run *r, const shear_input *input, shear_field *field,
                      const shear_settings *settings, const shear_run_options *options,
                      bool jackknife, shear_run_report *report, shear_error *err) {
@@ -90,7 +90,7 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
                                 options, err);
 }
 
-/* Sums, and terms and blocks, to the caller's: all or none. */
+/* Join sums, terms and blocks to the caller's: all or none. */
 static int join_caller(const team_sums *own, shear_field_sums *sums, shear_symmetry *terms,
                        shear_jackknife *jack, shear_error *err) {
     const size_t before = terms != NULL ? shear_symmetry_count(terms) : 0;
@@ -108,7 +108,7 @@ static int join_caller(const team_sums *own, shear_field_sums *sums, shear_symme
     return SHEAR_OK;
 }
 
-/* What an error is about, if its message does not say. */
+/* Return the name for errors whose message does not contain one. */
 static const char *name_of(const shear_input *input) {
     return input->path != NULL ? input->path : input->parts[SHEAR_PART_GALAXY].path;
 }

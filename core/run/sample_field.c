@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sample of a field's stamps that tells how far its galaxies reach. */
+/* Sample a field's stamps to find how far its galaxies reach: shear_plan_request_sample(). */
 #include "base/cleanup.h"
 #include "measure/reach.h"
 #include "shear/run.h"
@@ -20,7 +20,7 @@ static void add_stamps(reach *r, const shear_stamps *s) {
     }
 }
 
-/* One block of the sums. */
+/* Read and add one block of the sample. */
 static int read_sampled(reach *r, shear_source source, int64_t first, int64_t end, int capacity,
                         shear_error *err) {
     const shear_block *block = NULL;

@@ -9,7 +9,8 @@ int team_threads(int asked) {
     return asked > 0 ? asked : omp_get_max_threads();
 }
 
-/* Tell the caller how far the work is; non-zero when the caller wants to stop. One thread calls. */
+/* Report progress to the caller; non-zero if the caller wants to stop. Called by one thread
+ * only. */
 static int report_progress(const team_job *job, shear_work *work) {
     if (job->progress == NULL)
         return 0;
@@ -17,7 +18,7 @@ static int report_progress(const team_job *job, shear_work *work) {
     return job->progress(job->context, status.stamps_done, status.stamps_total);
 }
 
-/* One thread of the team; the first one reports. */
+/* Run one thread of the team; the first one reports progress. */
 static int work_in_slot(const team_job *job, shear_work *work, int slot, shear_error *err) {
     shear_worker *worker = NULL;
     int code = shear_worker_new(&worker, job->plan, job->size, slot, err);

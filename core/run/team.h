@@ -8,29 +8,29 @@
 typedef struct team_job {
     const shear_field_info *info;
     const shear_plan *plan;
-    shear_source source; /* has a slot for every thread */
+    shear_source source; /* with a slot for every thread */
     shear_sink sink;
     shear_unit_size size;
     int threads;
     bool jackknife; /* keep the sums of all blocks */
-    bool terms;     /* keep the stamps' terms, even where the estimator needs none */
+    bool terms;     /* keep the stamps' terms, even if the estimator needs none */
     /* As in shear_run_options; may be NULL. */
     int (*progress)(void *context, int64_t done, int64_t total);
     void *context;
 } team_job;
 
-/* What comes of a field. */
+/* The sums of a field. Owned: see team_sums_deinit. */
 typedef struct team_sums {
     shear_field_sums *sums;
-    shear_symmetry *terms;      /* NULL where nobody wants terms */
-    shear_jackknife *jackknife; /* NULL where nobody wants one */
+    shear_symmetry *terms;      /* NULL if no terms are kept */
+    shear_jackknife *jackknife; /* NULL if team_job.jackknife is false */
 } team_sums;
 
-/* The number of threads that is asked for; all cores for 0. */
+/* Return `asked`, or the number of cores if it is 0. */
 int team_threads(int asked);
 
-/* Measure all stamps; *result is by the plan's estimator. Deinit the sums, also after an
- * error. */
+/* Measure all stamps; *result is computed by the plan's estimator. Call team_sums_deinit after an
+ * error, too. */
 int team_measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err);
 void team_sums_deinit(team_sums *sums);
 

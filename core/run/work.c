@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Four locks, never held together. `reader` is held while stamps are read and `sink` while rows are
- * written: the disk may take its time. `units` and `results` are held for moments only, so that
- * whoever asks how the work stands, or stops it, never waits for a disk. */
+/* Work on one field, shared by threads: claim a unit, read, measure, write, sum.
+ *
+ * There are four locks, and a thread never holds two of them. `reader` is held while stamps are
+ * read and `sink` while rows are written, which may take long. `units` and `results` are held
+ * briefly only, so that a status request or a stop never waits for a disk. */
 #include "shear/work.h"
 
 #include "common/release.h"
@@ -13,7 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pixels_at_once = 131072.0; /* 1 MiB: what was read is still in the cache */
+static const double pixels_at_once =
+    131072.0; /* 1 MiB, so that what was read is still in the cache */
 
 struct shear_work {
     shear_work_spec spec;
@@ -22,12 +25,12 @@ struct shear_work {
     pthread_mutex_t reader; /* guards the source */
     pthread_mutex_t sink;   /* guards the sink */
 
-    pthread_mutex_t units; /* guards all until the next lock */
-    int64_t next_block;    /* the first block that nobody has taken */
+    pthread_mutex_t units; /* guards the members up to the next lock */
+    int64_t next_block;    /* the first block that has not been claimed */
     int under_way;
     bool stopped;
 
-    pthread_mutex_t results; /* guards all below */
+    pthread_mutex_t results; /* guards the members below */
     reorder_buffer summed;
     int64_t done;
     int64_t failed_at; /* first block of the failed unit that comes first in the file */
@@ -40,11 +43,11 @@ struct shear_worker {
     shear_unit_size size;
     shear_workspace *ws;
     shear_row *rows;        /* [size.stamps] */
-    shear_block_sums *sums; /* [size.blocks] of the unit under way */
-    shear_symmetry *terms;  /* of the unit under way */
+    shear_block_sums *sums; /* [size.blocks] of the current unit */
+    shear_symmetry *terms;  /* of the current unit */
 };
 
-/* A run of blocks that one thread has taken. */
+/* A run of blocks that one thread has claimed. */
 typedef struct work_unit {
     int64_t block;
     int n;
@@ -194,10 +197,10 @@ static int sum_rows(shear_worker *worker, const work_unit *u, const shear_plan *
     return code;
 }
 
-/* Empty terms for the unit, or none if this work wants none. */
+/* Prepare empty terms for the unit, or none if this work needs none. */
 static int begin_terms(const shear_work *work, shear_worker *worker, shear_error *err) {
     if (!wants_terms(&work->spec)) {
-        shear_symmetry_free(worker->terms); /* of another work */
+        shear_symmetry_free(worker->terms); /* from another work */
         worker->terms = NULL;
         return SHEAR_OK;
     }
@@ -317,7 +320,7 @@ int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
     return next;
 }
 
-/* With the lock held. */
+/* Join the sums and terms so far; the caller holds the lock `results`. */
 static int join_terms(const reorder_buffer *summed, shear_field_sums *sums, size_t from,
                       shear_symmetry *terms, int64_t *next_block, shear_error *err) {
     const int code =

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* base/buffer.h: bytes that are appended to. A failure is kept, so that it is tested once, at the
- * end. */
+/* base/buffer.h: a growing array of bytes. A failure is remembered, so that the caller checks once,
+ * at the end. */
 #ifndef BASE_BUFFER_H
 #define BASE_BUFFER_H
 
@@ -8,19 +8,19 @@
 #include <stddef.h>
 
 typedef struct buffer {
-    char *bytes; /* [n], not ended by NUL unless one was added */
+    char *bytes; /* [n], without a final NUL unless one was added */
     size_t n, capacity;
-    bool failed; /* memory was out: nothing more is added */
+    bool failed; /* out of memory: nothing more is added */
 } buffer;        /* {0} is empty */
 
-/* Returns !b->failed. */
+/* Append n bytes. Return !b->failed. */
 bool buffer_add(buffer *b, const void *bytes, size_t n);
 
-/* The text without its NUL. */
+/* Append a text without its NUL. Return !b->failed. */
 bool buffer_add_text(buffer *b, const char *text);
 
-/* Hand over the bytes, ended by a NUL that *n (if not NULL) does not count; the buffer is empty
- * then. NULL when it has failed. The caller frees. */
+/* Hand over the bytes, with a final NUL that *n (if not NULL) does not count; the buffer is empty
+ * then. Return NULL if an addition has failed. The caller frees the bytes. */
 char *buffer_take(buffer *b, size_t *n);
 
 void buffer_deinit(buffer *b);

@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* base/cleanup.h: locals that are released where their block ends, however it is left.
+/* base/cleanup.h: release local variables when their block ends, however it is left.
  *
- *     CLEANUP(release_free) char *text = malloc(n);     // an owned pointer
+ *     CLEANUP(release_free) char *text = malloc(n);      // an owned pointer
  *     CLEANUP(release_fd) int fd = open(path, O_RDONLY); // negative: none
- *     CLEANUP(cards_deinit) cards c = {0};               // deinit functions take the address as it
- * is
+ *     CLEANUP(cards_deinit) cards c = {0};               // deinit functions take the address
  *
- * A local must be initialised where it is declared: NULL, -1 or an empty struct where nothing is
- * owned yet. They are released in reverse order. A pointer that is returned or given away leaves
- * with CLEANUP_TAKE:
+ * A local must be initialised where it is declared: to NULL, -1 or an empty struct if nothing is
+ * owned yet. Locals are released in reverse order. Use CLEANUP_TAKE for a pointer that is returned
+ * or given away:
  *
- *     return CLEANUP_TAKE(text);
- */
+ *     return CLEANUP_TAKE(text); */
 #ifndef BASE_CLEANUP_H
 #define BASE_CLEANUP_H
 
@@ -22,11 +20,10 @@
 
 #define CLEANUP(release) __attribute__((cleanup(release)))
 
-/* Define TYPE_release(TYPE **), for CLEANUP(TYPE_release) TYPE *p, from a free function, which
- * takes NULL:
+/* Define TYPE_release(TYPE **), for CLEANUP(TYPE_release) TYPE *p, from a free function that
+ * accepts NULL:
  *
- *     CLEANUP_DEFINE(plan, plan_free)
- */
+ *     CLEANUP_DEFINE(plan, plan_free) */
 /* clang-format off */
 #define CLEANUP_DEFINE(type, free_function)                                                        \
     static inline __attribute__((unused)) void type##_release(type **p) { /* NOLINT(bugprone-macro-parentheses) */ \
@@ -34,7 +31,7 @@
     }
 /* clang-format on */
 
-/* The value of a pointer variable, which becomes NULL. */
+/* Return the value of a pointer variable and set the variable to NULL. */
 #define CLEANUP_TAKE(pointer)                                                                      \
     __extension__({                                                                                \
         __typeof__(pointer) cleanup_taken_ = (pointer);                                            \
@@ -42,7 +39,7 @@
         cleanup_taken_;                                                                            \
     })
 
-/* Any pointer variable: p is its address. */
+/* Free any pointer variable; p is its address. */
 static inline void release_free(void *p) {
     void *owned = NULL;
     memcpy(&owned, p, sizeof owned);

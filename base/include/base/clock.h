@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* base/clock.h: the time of a POSIX clock in the unit that is wanted.
+/* base/clock.h: the time of a POSIX clock in seconds, ms, us or ns.
  *
- * CLOCK_REALTIME is the wall clock's, since 1970: what is told and stored. CLOCK_MONOTONIC and
- * CLOCK_BOOTTIME are never set: what is waited for. CLOCK_THREAD_CPUTIME_ID is what the calling
- * thread has worked. Whole units are rounded down. */
+ * CLOCK_REALTIME is the wall clock, since 1970, for times that are reported and stored.
+ * CLOCK_MONOTONIC and CLOCK_BOOTTIME cannot be set, and serve timeouts and durations.
+ * CLOCK_THREAD_CPUTIME_ID is the CPU time of the calling thread. Whole units are rounded down. */
 #ifndef BASE_CLOCK_H
 #define BASE_CLOCK_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* base/member.h: typed members of structs, by their offset: what a table that describes a struct
- * (settings, messages) is made of. */
+/* base/member.h: typed members of structs, by offset, for tables that describe a struct (settings,
+ * messages). */
 #ifndef BASE_MEMBER_H
 #define BASE_MEMBER_H
 
@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The offset of a member that must be of this type: it does not compile if the member has another.
- * (sizeof a type's name cannot be put in parentheses.) */
+/* The offset of a member that must have this type: otherwise it does not compile. (A type's name in
+ * sizeof cannot be put in parentheses.) */
 /* clang-format off */
 #define MEMBER_AT(T, member, type)                                                                 \
     (offsetof(T, member) +                                                                         \
@@ -25,7 +25,7 @@ enum member_type {
     MEMBER_TEXT      /* char * */
 };
 
-/* A value of any of them; all begin at the union's address. */
+/* A value of any of these types. All members begin at the union's address. */
 typedef union member_value {
     bool flag;
     int number;
@@ -37,7 +37,8 @@ typedef union member_value {
 
 size_t member_size(enum member_type type);
 
-/* NaN equals NaN, and texts are compared by their bytes; NULL equals NULL only. */
+/* Return whether two members are equal. NaN equals NaN, texts are compared byte by byte, and NULL
+ * equals only NULL. */
 bool member_equal(enum member_type type, const void *a, const void *b);
 
 #endif

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* base/simd.h: SHEAR_SIMD before a function with a hot loop compiles it for plain x86-64, AVX2 and
- * AVX-512; the loader chooses (ifunc), so that a package for the baseline uses what the machine
- * has. Elsewhere, and under sanitizers, it is nothing. */
+/* base/simd.h: compile hot loops for several instruction sets.
+ *
+ * SHEAR_SIMD before a function compiles it for plain x86-64, AVX2 and AVX-512. The loader chooses
+ * one (ifunc), so that a package for the baseline uses what the machine has. It is empty on other
+ * machines and under sanitizers. */
 #ifndef SHEAR_SIMD_H
 #define SHEAR_SIMD_H
 
@@ -16,8 +18,8 @@
 #define SHEAR_SIMD
 #endif
 
-/* Before a function that must become part of the clones that call it: on its own it would be
- * compiled for the baseline. */
+/* For a function that must be inlined into the clones that call it: on its own it would be compiled
+ * for the baseline. */
 #if defined(__GNUC__)
 #define SHEAR_INLINE inline __attribute__((always_inline))
 #else
@@ -25,8 +27,8 @@
 #endif
 
 /* glibc has vector versions of exp and log (libmvec, within 4 units in the last place), but
- * declares them to the compiler only under -ffast-math. Declared here, `omp simd` loops use them in
- * IEEE arithmetic, too. */
+ * declares them only under -ffast-math. Declared here, they are used by `omp simd` loops in IEEE
+ * arithmetic, too. */
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(_OPENMP) && !defined(__clang__)
 #pragma omp declare simd notinbranch
 extern double exp(double x);
