@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Catalogs of work that outlives its process. */
+/* Write result catalogs of work that outlives its process: begin, resume, sync, suspend. */
 #include "base/cleanup.h"
 #include "fits/catalog/internal.h"
 #include "fits/catalog/schema.h"
@@ -29,14 +29,14 @@ int shear_catalog_begin(shear_catalog **catalog, const char *path, const shear_f
     return SHEAR_OK;
 }
 
-/* Which file it must be. */
+/* What the file must contain. */
 typedef struct expected {
     shear_catalog *catalog;
     const char *checksum;
     int64_t rows;
 } expected;
 
-/* Is it this input's, and are enough of its rows on disk? */
+/* Check that the file belongs to this input and that enough of its rows are on disk. */
 static int check_keys(const expected *e, const sf_cards *cards, shear_error *err) {
     shear_catalog *c = e->catalog;
     CLEANUP(release_free) char *text = NULL;
@@ -54,7 +54,7 @@ static int check_keys(const expected *e, const sf_cards *cards, shear_error *err
                : not_usable(c, "fewer rows are on disk than have been counted", err);
 }
 
-/* What CFITSIO is given must be one table and nothing else. */
+/* Check that the file is one table and nothing else, before it is given to CFITSIO. */
 static int check_table(const expected *e, const sf_file *file, shear_error *err) {
     const sf_hdu *hdu = NULL;
     int rc = sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err);
@@ -92,7 +92,7 @@ CLEANUP_DEFINE(suspended, shear_catalog_suspend)
 
 int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_field_info *info,
                          const char *checksum, int64_t rows, shear_error *err) {
-    CLEANUP(suspended_release) shear_catalog *c = NULL; /* what cannot be resumed stays */
+    CLEANUP(suspended_release) shear_catalog *c = NULL; /* a file that cannot be resumed is kept */
     *catalog = NULL;
     int rc = sf_catalog_new(&c, path, info, err);
     if (rc != SHEAR_OK)
@@ -111,8 +111,8 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
     return SHEAR_OK;
 }
 
-/* First the rows, then the word that they are there: a file that was begun again and never came so
- * far does not have it, whatever a checkpoint of before says. */
+/* Sync the rows first, then the keyword that declares them: a file that was begun again and did not
+ * get as far has a smaller number, whatever an older checkpoint says. */
 int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err) {
     const sf_place at = {c->out.name, SF_CATALOG_HDU};
     int status = 0;

@@ -16,7 +16,7 @@
 
 static void put_string(fitsfile *f, const char *key, const char *text, const char *comment,
                        int *status) {
-    char clean[1024]; /* FITS knows printable ASCII only */
+    char clean[1024]; /* FITS allows printable ASCII only */
     text_set(clean, sizeof clean, text);
     for (char *c = clean; *c != '\0'; c++) {
         if (*c < ' ' || *c > '~')
@@ -39,7 +39,7 @@ void sf_catalog_write_field(fitsfile *f, const shear_field_info *info, int *stat
     }
 }
 
-/* Numbers and logicals as such, choices, "auto" and "none" as strings. */
+/* Write numbers and logicals as such; choices, "auto" and "none" as strings. */
 static void put_setting(fitsfile *f, const shear_settings *s, const shear_setting_def *def,
                         int *status) {
     char text[64];
@@ -89,7 +89,7 @@ static void put_counts(fitsfile *f, const shear_result *r, int *status) {
         put_integer(f, sf_flag_keywords[i], r->flagged[i], shear_flag_name(i), status);
 }
 
-/* Numbers of the result, and how many of them need a valid one. */
+/* Numbers of the result; the first N_SHEARS need a valid one. */
 enum { N_SHEARS = 5, N_NUMBERS = 9 };
 static const struct {
     const char *key;
@@ -173,7 +173,7 @@ static void get_name(reading *r, char out[72]) {
     }
 }
 
-/* A name that this version does not know, or none, counts as the mean. */
+/* An unknown or missing name counts as the mean. */
 static enum shear_estimator get_estimator(reading *r) {
     CLEANUP(release_free) char *text = NULL;
     if (r->rc == SHEAR_OK)
@@ -186,7 +186,7 @@ static enum shear_estimator get_estimator(reading *r) {
 }
 
 static void get_result(reading *r, shear_result *out) {
-    const int64_t most = INT64_C(1) << 53; /* integers that are read by way of a double */
+    const int64_t most = INT64_C(1) << 53; /* the largest integer that a double holds exactly */
     *out = result_unknown();
     out->sum_weight = out->sum_d = NAN;
     for (int i = 0; i < N_NUMBERS; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/catalog/keywords.h: the keywords of a result catalog. */
+/* fits/catalog/keywords.h: write and read the keywords of a result catalog. */
 #ifndef SHEAR_FITS_CATALOG_KEYWORDS_H
 #define SHEAR_FITS_CATALOG_KEYWORDS_H
 
@@ -8,14 +8,14 @@
 
 #include <fitsio.h>
 
-/* Room that is kept for them, in cards, so that they do not push the rows about. */
+/* Header cards that are reserved for them, so that writing them does not move the rows. */
 enum { SF_CATALOG_CARDS = 160 };
 
-/* What is known before the rows: FIELD, SIM_G1, SIM_G2. Like CFITSIO's own calls, nothing happens
- * where *status is not 0. */
+/* Write what is known before the rows: FIELD, SIM_G1, SIM_G2. As in CFITSIO's own calls, nothing
+ * happens if *status is not 0. */
 void sf_catalog_write_field(fitsfile *f, const shear_field_info *info, int *status);
-/* What is known behind them: the software, the input, all settings, what they resolved to, the
- * result. */
+/* Write what is known after the rows: the software, the input, all settings, their resolved values,
+ * the result. */
 void sf_catalog_write_result(fitsfile *f, const shear_plan *plan, const shear_result *result,
                              const char *input_name, const char *checksum, int *status);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Result catalogs, read again. */
+/* Read result catalogs. */
 #include "base/cleanup.h"
 #include "fits/catalog/keywords.h"
 #include "fits/catalog/schema.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Column `name` as doubles into values[n]; *there is false if the table has none. */
+/* Read column `name` as doubles into values[n]; *there is false if the table does not have it. */
 static int read_column(const sf_table *table, const char *name, int64_t n, double *values,
                        bool *there, shear_error *err) {
     const sf_column *column = NULL;
@@ -19,7 +19,7 @@ static int read_column(const sf_table *table, const char *name, int64_t n, doubl
                                             : sf_table_doubles(table, column, 0, n, values, err);
 }
 
-/* Into a member of all rows; NaN if the table has no such column. */
+/* Read a column into a member of all rows; NaN if the table does not have it. */
 static int read_member(const sf_table *table, const sf_member *m, double *values,
                        shear_catalog_table *t, shear_error *err) {
     bool there = false;
@@ -40,7 +40,8 @@ static int read_flags(const sf_table *table, double *values, shear_catalog_table
     return rc;
 }
 
-/* A column of places into a member of all rows; -1 if the table has no such column. */
+/* Read a column of pixel coordinates into a member of all rows; -1 if the table does not have
+ * it. */
 static int read_place(const sf_table *table, const sf_place_member *m, double *values,
                       shear_catalog_table *t, shear_error *err) {
     bool there = false;
@@ -53,7 +54,7 @@ static int read_place(const sf_table *table, const sf_place_member *m, double *v
     return rc;
 }
 
-/* Members without a column. */
+/* Set the members without a column to NaN. */
 static void forget_members(shear_row *row) {
     row->flux_removed = NAN;
     row->border_mean = NAN;
@@ -79,8 +80,8 @@ static int read_rows(const sf_table *table, shear_catalog_table *t, shear_error 
     return rc;
 }
 
-/* A table that has not even these columns is no result catalog; and its rows may be so narrow
- * that a small file would ask for much memory. */
+/* A table without these columns is not a result catalog; and its rows may be so narrow that a small
+ * file would cause a large allocation. */
 static int check_columns(const sf_table *table, shear_error *err) {
     static const char *const needed[] = {"N1", "N2", "D", "FLAGS"};
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {

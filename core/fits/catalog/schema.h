@@ -10,11 +10,11 @@
 
 #define SF_CATALOG_HDU "SHEAR"
 
-/* Columns that are copied from the field file, where it has them: bits of enum shear_column. */
+/* Columns that are copied from the field file, if it has them: bits of enum shear_column. */
 enum { SF_CATALOG_COPIED = 5 };
 extern const unsigned sf_catalog_copied[SF_CATALOG_COPIED];
 
-/* The columns of doubles in a row. */
+/* The columns that hold a double of the row. */
 enum { SF_CATALOG_MEMBERS = 17 };
 typedef struct sf_member {
     const char *name;
@@ -24,9 +24,8 @@ typedef struct sf_member {
 } sf_member;
 extern const sf_member sf_catalog_members[SF_CATALOG_MEMBERS];
 
-/* Behind FLAGS, columns of places of pixels: from 1, while the member counts from 0, -1 for no
- * pixel.
- */
+/* Columns of pixel coordinates, after FLAGS: they count from 1, 0 = none; the member counts from 0,
+ * -1 = none. */
 enum { SF_CATALOG_PLACES = 2 };
 typedef struct sf_place_member {
     const char *name;
@@ -35,7 +34,7 @@ typedef struct sf_place_member {
 } sf_place_member;
 extern const sf_place_member sf_catalog_places[SF_CATALOG_PLACES];
 
-/* NF_...: how many rows carry flag number i. */
+/* NF_...: the number of rows that carry flag i. */
 extern const char *const sf_flag_keywords[SHEAR_N_FLAGS];
 
 #endif

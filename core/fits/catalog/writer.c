@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Result catalogs, written row by row. */
+/* Write result catalogs row by row. */
 #include "base/array.h"
 #include "fits/catalog/internal.h"
 #include "fits/catalog/keywords.h"
@@ -13,7 +13,7 @@
 
 enum { MAX_COLUMNS = SF_CATALOG_COPIED + SF_CATALOG_MEMBERS + 1 + SF_CATALOG_PLACES };
 
-/* The table's columns while it is being laid out. */
+/* The table's columns while it is being created. */
 typedef struct layout {
     int n;
     char *names[MAX_COLUMNS], *forms[MAX_COLUMNS], *units[MAX_COLUMNS];
@@ -22,7 +22,7 @@ typedef struct layout {
 
 static void add(layout *l, const char *name, const char *form, const char *unit,
                 const char *comment) {
-    l->names[l->n] = (char *)name; /* CFITSIO only reads them */
+    l->names[l->n] = (char *)name; /* CFITSIO does not write to them */
     l->forms[l->n] = (char *)form;
     l->units[l->n] = (char *)unit;
     l->comments[l->n++] = comment;
@@ -137,7 +137,7 @@ static int reserve(shear_catalog *c, int count, shear_error *err) {
                : sf_fail_memory(err, (sf_place){c->out.name, NULL});
 }
 
-/* CFITSIO would take ids for doubles where TZERO is not 0: what is stored is made here. */
+/* Write ids in their stored form: CFITSIO would convert them through doubles if TZERO is not 0. */
 static void write_ids(shear_catalog *c, int64_t first, int count, const int64_t *ids, int *status) {
     LONGLONG *stored = (LONGLONG *)(void *)c->values;
     const uint64_t sign = c->id_unsigned ? UINT64_C(1) << 63 : 0;
@@ -147,7 +147,7 @@ static void write_ids(shear_catalog *c, int64_t first, int count, const int64_t 
     fits_write_col(c->out.fits, TLONGLONG, 1, first + 1, 1, count, stored, status);
 }
 
-/* The columns of the field file, which come first. Returns how many there are. */
+/* Write the columns copied from the field file, which come first. Return their number. */
 static int write_copied(shear_catalog *c, int64_t first, int count, const shear_block *b,
                         int *status) {
     const double *const doubles[SF_CATALOG_COPIED] = {NULL, b->x, b->y, b->ra, b->dec};
@@ -214,7 +214,7 @@ static void remove_kept_keys(fitsfile *f) {
     fits_clear_errmsg();
 }
 
-/* Everything but closing and putting in place. */
+/* Do all but close the file and put it in place. */
 static int complete(shear_catalog *c, const shear_plan *plan, const shear_result *result,
                     const char *input_name, const char *checksum, shear_error *err) {
     int status = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear_block: room for stamps, one piece of memory laid out as arrays. */
+/* Allocate a shear_block: memory for stamps, one allocation laid out as arrays. */
 #include "shear/field.h"
 
 #include <stdlib.h>
@@ -11,7 +11,7 @@ static size_t round_up(size_t bytes) {
     return (bytes + ALIGN - 1) / ALIGN * ALIGN;
 }
 
-/* Hand out the next `bytes` of the memory, aligned; without a base only count them. */
+/* Return the next `bytes` of the memory, aligned; without a base only count them. */
 static void *place(char *base, size_t *at, size_t bytes) {
     void *here = base != NULL ? base + *at : NULL;
     *at += round_up(bytes);
@@ -36,8 +36,8 @@ static void place_columns(shear_block *b, unsigned columns, char *base, size_t *
         b->mask = place(base, at, n * sizeof *b->mask);
 }
 
-/* Sides are at most 4096, noise stamps at most 64 a galaxy and a capacity is an int, so that no
- * product here can overflow 64 bits. */
+/* Lay the arrays out and return their size. Sides are at most 4096, noise stamps at most 64 per
+ * galaxy, and a capacity is an int, so that no product here overflows 64 bits. */
 static size_t lay_out(shear_block *b, const shear_field_info *info, int capacity, char *base) {
     const shear_geometry *g = &info->geometry;
     const size_t n = (size_t)capacity;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opening and reading field files. */
+/* Open field files: their parts, shapes and keywords; read single PSFs. */
 #include "common/release.h"
 #include "fits/field/internal.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/field/internal.h: what an open field file consists of. */
+/* fits/field/internal.h: the members of an open field file. */
 #ifndef SHEAR_FITS_FIELD_INTERNAL_H
 #define SHEAR_FITS_FIELD_INTERNAL_H
 
@@ -17,10 +17,10 @@ struct shear_field {
     sf_columns catalog;
 };
 
-/* FIELD, PIXSCALE, SIM_G1, SIM_G2 of the galaxies' file into f->info (keys.c). */
+/* Read FIELD, PIXSCALE, SIM_G1, SIM_G2 of the galaxies' file into f->info (keys.c). */
 int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err);
-/* The PSF's HDU: shape, number and OVERSAMP into f->info; the catalog must be open (psf.c).
- */
+/* Open the PSF's HDU and set its shape, number and OVERSAMP in f->info (psf.c). The catalog must be
+ * open. */
 int sf_field_open_psf(shear_field *f, shear_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The keywords of the primary header, of the file that holds the galaxies. */
+/* Read the keywords of the primary header, in the file that holds the galaxies. */
 #include "base/cleanup.h"
 #include "fits/field/internal.h"
 #include "fits/field/name.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The name as given, without blanks around it: those behind it mean nothing in FITS. */
+/* Return the name without blanks around it: trailing blanks mean nothing in FITS. */
 static char *trim(char *text) {
     text += strspn(text, " ");
     for (size_t n = strlen(text); n > 0 && text[n - 1] == ' '; n--)
@@ -28,7 +28,8 @@ static int read_name(shear_field *f, const sf_cards *primary, shear_error *err) 
         return sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, primary->at, "keyword FIELD",
                                   err);
     }
-    /* A file may well be called what a field may not: whoever wants the name is told so. */
+    /* A file name need not be a valid field name; shear_field_need_name() reports that, if the name
+     * is needed. */
     char base[sizeof galaxy->source.base];
     sf_field_name_default(base, sizeof base, galaxy->source.base);
     if (sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, primary->at, "from the file's name",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/field/name.h: the names of fields, which end up in protocols and reports. */
+/* fits/field/name.h: check the names of fields, which are used in protocols and reports. */
 #ifndef SHEAR_FITS_FIELD_NAME_H
 #define SHEAR_FITS_FIELD_NAME_H
 
@@ -7,12 +7,12 @@
 
 #include <stddef.h>
 
-/* Check that `name` is 1 to 71 printable ASCII characters, neither end a blank, and copy it.
- * `whence` says in the message where it is from. Returns `code` on error. */
+/* Check that `name` is 1 to 71 printable ASCII characters without a blank at either end, and copy
+ * it. `whence` is its origin, for the message. Return `code` on error. */
 int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, const char *whence,
                        shear_error *err);
 
-/* A file's base name without .gz, .fz and .fits, into out[size]. */
+/* Copy a file's base name without .gz, .fz and .fits into out[size]. */
 void sf_field_name_default(char *out, size_t size, const char *base);
 
 #endif

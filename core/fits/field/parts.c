@@ -10,8 +10,8 @@ static const char *const extnames[SHEAR_N_PARTS] = {"GALAXY", "NOISE", "PSF", "C
 
 /* ---- files ---- */
 
-/* Which of the open files this is, or -1. A path that leads elsewhere in the next moment does no
- * harm: then the file is the one that was opened. */
+/* Return the number of this file among the open ones, or -1. It does no harm if the path is
+ * replaced meanwhile: the file is then the one that was opened. */
 static int find_file(const sf_parts *p, const struct stat *st) {
     for (int i = 0; i < p->n_files; i++) {
         if (p->stats[i].st_dev == st->st_dev && p->stats[i].st_ino == st->st_ino)
@@ -20,7 +20,8 @@ static int find_file(const sf_parts *p, const struct stat *st) {
     return -1;
 }
 
-/* Open `path`, or the descriptor `fd` (-1: none) of that name, unless it is open already. */
+/* Open `path`, or the descriptor `fd` (-1: none) called `path` in messages, unless the file is open
+ * already. */
 static int open_file(sf_parts *p, const char *path, int fd, const sf_file **file,
                      shear_error *err) {
     struct stat *st = &p->stats[p->n_files];
@@ -31,7 +32,7 @@ static int open_file(sf_parts *p, const char *path, int fd, const sf_file **file
         return SHEAR_OK;
     }
     sf_file *f = &p->files[p->n_files];
-    p->n_files++; /* to be closed, also after an error */
+    p->n_files++; /* so that it is closed, also after an error */
     *file = f;
     return fd >= 0 ? sf_file_open_fd(f, fd, path, err) : sf_file_open(f, path, err);
 }
@@ -93,7 +94,8 @@ static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_erro
     return SHEAR_OK;
 }
 
-/* As a field file has it. What is missing is told when its turn comes (sf_part_require). */
+/* Choose the HDU with the part's standard name. A missing HDU is reported later, by
+ * sf_part_require. */
 static int choose_by_name(sf_parts *p, int i, const sf_file *file, shear_error *err) {
     p->of[i].file = file;
     text_set(p->of[i].label, sizeof p->of[i].label, extnames[i]);
@@ -106,7 +108,7 @@ int sf_part_require(const sf_part *part, shear_error *err) {
                        : sf_hdu_index_find(&part->file->index, part->label, true, &hdu, err);
 }
 
-/* One image cannot be two parts: the galaxies minus themselves have no power. */
+/* Refuse one image for two parts: the galaxies minus themselves have no power. */
 static int check_distinct(const sf_parts *p, shear_error *err) {
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         for (int k = 0; k < i; k++) {

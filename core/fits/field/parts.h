@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/field/parts.h: the files that a field consists of, and which HDU of them is which part. */
+/* fits/field/parts.h: the files that a field consists of, and the HDU of each part. */
 #ifndef SHEAR_FITS_FIELD_PARTS_H
 #define SHEAR_FITS_FIELD_PARTS_H
 
@@ -10,7 +10,7 @@
 
 typedef struct sf_part {
     const sf_file *file; /* one of the files below */
-    const sf_hdu *hdu;   /* in that file's index; NULL: there is no such part */
+    const sf_hdu *hdu;   /* in that file's index; NULL: this part is absent */
     char label[SF_NAME]; /* of the HDU, for messages */
 } sf_part;
 
@@ -21,15 +21,15 @@ typedef struct sf_parts {
     sf_part of[SHEAR_N_PARTS];
 } sf_parts;
 
-/* Open the files (fds: see shear_field_open_input) and choose the HDUs. In place: the parts point
- * into *p. Deinit it, also after an error. SHEAR_E_IO, SHEAR_E_FORMAT. */
+/* Open the files (fds: see shear_field_open_input) and choose the HDUs. *p must not move: the parts
+ * point into it. SHEAR_E_IO, SHEAR_E_FORMAT. Call sf_parts_deinit after an error, too. */
 int sf_parts_init(sf_parts *p, const shear_input *input, const int *fds, shear_error *err);
 void sf_parts_deinit(sf_parts *p);
 
-/* SHEAR_E_FORMAT where the file has no such part. */
+/* Return SHEAR_E_FORMAT if the part is absent. */
 int sf_part_require(const sf_part *part, shear_error *err);
 
-/* Are the parts those of one field file? */
+/* Return whether the parts are those of one field file. */
 bool sf_parts_are_whole(const sf_parts *p);
 
 #endif

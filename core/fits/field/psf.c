@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The PSFs: how many images there are and which stamp each belongs to. */
+/* Open the PSFs: their shape and number, and which stamp each belongs to. */
 #include "base/cleanup.h"
 #include "fits/field/internal.h"
 
@@ -16,7 +16,7 @@ static int check_sides(const shear_field *f, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* OVERSAMP of the primary header of the PSFs' file. */
+/* Read OVERSAMP from the primary header of the PSFs' file. */
 static int read_primary(const sf_file *file, int64_t *oversample, shear_error *err) {
     CLEANUP(sf_cards_deinit) sf_cards primary;
     bool found = false;
@@ -26,7 +26,7 @@ static int read_primary(const sf_file *file, int64_t *oversample, shear_error *e
                : sf_key_int(&primary, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
 }
 
-/* OVERSAMP: in the PSFs' HDU, else in the primary header, else 1. */
+/* Read OVERSAMP: from the PSFs' HDU, else the primary header, else 1. */
 static int read_oversampling(shear_field *f, shear_error *err) {
     int64_t oversample = 1;
     bool found = false;

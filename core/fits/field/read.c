@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear_field_read: a block of stamp pairs with their PSFs and catalog rows. */
+/* shear_field_read: read a block of stamp pairs with their PSFs and catalog rows. */
 #include "fits/field/internal.h"
 
 static int check_range(const shear_field *f, int64_t first, int count, const shear_block *block,
@@ -25,15 +25,15 @@ static int read_psf_per_stamp(shear_field *f, int64_t first, int count, shear_bl
     return sf_image_read(&f->psf, low, size, block->psf, err);
 }
 
-/* Where image `id` is in the block; it is read where it is not there yet. -1: the file has no such
- * image. */
+/* Find the place of image `id` in the block, and read the image if it is not there yet. *index is
+ * -1 if the file has no such image. */
 static int locate_psf(shear_field *f, int64_t id, shear_block *block, int32_t *index,
                       shear_error *err) {
     shear_stamps *stamps = &block->stamps;
     *index = -1;
     if (id < 0 || id >= f->info.n_psf)
         return SHEAR_OK;
-    for (int k = stamps->n_psf - 1; k >= 0; k--) { /* neighbours mostly share theirs */
+    for (int k = stamps->n_psf - 1; k >= 0; k--) { /* consecutive stamps mostly have the same PSF */
         if (block->psf_id[k] == id) {
             *index = k;
             return SHEAR_OK;
@@ -93,7 +93,7 @@ static int read_catalog(shear_field *f, int64_t first, int count, shear_block *b
     }
     if ((f->info.columns & SHEAR_COL_FLAGS) == 0)
         return SHEAR_OK;
-    /* An undefined flag says nothing good of its stamp: it is left out. */
+    /* A stamp whose flag is undefined is left out. */
     return sf_columns_read_int32(&f->catalog, SHEAR_COL_FLAGS, first, count, 1, block->mask, err);
 }
 

@@ -18,7 +18,7 @@ static int check_sides(const sf_stamps *s, int64_t nx, int64_t ny, shear_error *
                    (long long)nx, (long long)ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
 }
 
-/* A cube, or a single 2-D stamp. */
+/* Lay out a cube, or a single 2-D stamp. */
 static int lay_out_cube(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err) {
     const int64_t *axes = s->image.axes;
     if (nx != axes[0] || ny != axes[1]) {
@@ -89,8 +89,8 @@ void sf_stamps_deinit(sf_stamps *s) {
     s->scratch = NULL;
 }
 
-/* Stamps [first, first + count), all in one row of the mosaic: read as one box, then taken apart.
- */
+/* Read stamps [first, first + count), all in one row of the mosaic: one box, which is then
+ * split. */
 static int read_run(sf_stamps *s, int64_t first, int64_t count, double *out, shear_error *err) {
     const int64_t row = s->nx * count;
     const int64_t low[SF_AXES] = {first % s->columns * s->nx, first / s->columns * s->ny, 0};

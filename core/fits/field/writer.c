@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writing field files. All HDUs are laid out at once with their final sizes, so that stamps may
- * come in any order. */
+/* Write field files. All HDUs are created at once with their final sizes, so that stamps may be
+ * written in any order. */
 #include "base/cleanup.h"
 #include "fits/field/columns.h"
 #include "fits/field/spec.h"
@@ -16,8 +16,8 @@ enum { HDU_PRIMARY = 1, HDU_GALAXY, HDU_NOISE, HDU_PSF, HDU_CATALOG };
 struct shear_field_writer {
     sf_output out;
     shear_field_spec spec;         /* without its pointers */
-    int64_t columns;               /* stamps in a row of the mosaic */
-    int column_number[SF_COLUMNS]; /* in CATALOG; 0 = not asked for */
+    int64_t columns;               /* stamps per row of the mosaic */
+    int column_number[SF_COLUMNS]; /* in CATALOG; 0 = not in the spec */
     sf_bitset stamps, psfs;        /* written so far */
 };
 
@@ -93,7 +93,7 @@ static int create_catalog(shear_field_writer *w, shear_error *err) {
     int n = 0;
     for (int i = 0; i < SF_COLUMNS; i++) {
         if ((w->spec.columns & sf_column_defs[i].bit) != 0) {
-            names[n] = (char *)sf_column_defs[i].name; /* CFITSIO only reads them */
+            names[n] = (char *)sf_column_defs[i].name; /* CFITSIO does not write to them */
             forms[n] = (char *)sf_column_defs[i].form;
             units[n] = (char *)sf_column_defs[i].unit;
             w->column_number[i] = ++n;

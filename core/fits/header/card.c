@@ -28,7 +28,7 @@ int sf_card_index(const char *key, const char *root) {
     return index;
 }
 
-/* First column of the value that is not blank, or SF_CARD. */
+/* Return the first column of the value that is not blank, or SF_CARD. */
 static int value_start(const char card[SF_CARD]) {
     if (card[SF_KEY] != '=' || card[SF_KEY + 1] != ' ')
         return SF_CARD;
@@ -38,7 +38,7 @@ static int value_start(const char card[SF_CARD]) {
     return i;
 }
 
-/* True where only blanks are left before the comment. */
+/* Return whether only blanks are left before the comment. */
 static bool value_ends(const char card[SF_CARD], int i) {
     while (i < SF_CARD && card[i] == ' ')
         i++;

@@ -9,20 +9,22 @@
 
 enum { SF_CARD = 80, SF_KEY = 8 };
 
-/* The keyword, without trailing blanks. */
+/* Copy the keyword, without trailing blanks. */
 void sf_card_key(const char card[SF_CARD], char key[SF_KEY + 1]);
-/* The number in a keyword such as NAXIS12 after `root`: 12; 0 where it is not root and number. */
+/* Return the number after `root` in a keyword such as NAXIS12: 12; 0 if it is not root and
+ * number. */
 int sf_card_index(const char *key, const char *root);
 
-/* The value as an integer, a logical, or a string (trailing blanks off, truncated to size). False
- * where the card has no value of that type. */
+/* Parse the value as an integer, logical or string (without trailing blanks, truncated to size).
+ * Return false if the card has no value of that type. */
 bool sf_card_int(const char card[SF_CARD], int64_t *out);
 bool sf_card_logical(const char card[SF_CARD], bool *out);
-/* Any finite number, as FITS writes it (1, 1.5, 1.5E3, 1.5D3). */
+/* Parse any finite number in FITS notation (1, 1.5, 1.5E3, 1.5D3). Return false if it is not
+ * one. */
 bool sf_card_double(const char card[SF_CARD], double *out);
-/* True where there is a value of any type. */
+/* Return whether there is a value of any type. */
 bool sf_card_has_value(const char card[SF_CARD]);
-/* What stands where a value is, as it stands there, without the comment. */
+/* Copy the value's characters as they are, without the comment. */
 void sf_card_token(const char card[SF_CARD], char out[SF_CARD + 1]);
 bool sf_card_string(const char card[SF_CARD], char *out, size_t size);
 

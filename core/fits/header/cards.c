@@ -85,7 +85,7 @@ int sf_key_double(const sf_cards *c, const char *key, double *value, bool *found
     return SHEAR_OK;
 }
 
-/* An integer may be written 2.0 or 2E0. */
+/* Parse an integer, which may be written 2.0 or 2E0. */
 static bool whole(const char *card, int64_t *out) {
     double v = 0.0;
     if (sf_card_int(card, out))
@@ -136,7 +136,7 @@ static void append_continued(const sf_cards *c, const char *card, char *out) {
     for (card += SF_CARD; n > 0 && out[n - 1] == '&' && continues(c, card); card += SF_CARD) {
         char next[SF_CARD];
         memcpy(next, card, sizeof next);
-        memcpy(next, "CONTINUE= ", SF_KEY + 2); /* its string stands where a value does */
+        memcpy(next, "CONTINUE= ", SF_KEY + 2); /* so that its string is where a value is */
         if (!sf_card_string(next, out + n - 1, SF_CARD))
             break;
         n = strlen(out);

@@ -11,7 +11,8 @@ typedef struct sf_file {
     sf_hdu_index index;
 } sf_file;
 
-/* Close it, also after an error. */
+/* Open a file or a duplicate of `fd`, and index its HDUs. Call sf_file_close after an error,
+ * too. */
 int sf_file_open(sf_file *f, const char *path, shear_error *err);
 int sf_file_open_fd(sf_file *f, int fd, const char *name, shear_error *err);
 void sf_file_close(sf_file *f);

@@ -14,21 +14,21 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-/* More than any field file has; they bound the time that a hostile one can take. */
+/* More than any field file has. They bound the time that a malicious file can take. */
 enum { MAX_HDUS = 1000, MAX_HEADER_BLOCKS = 4096, BUFFER_BLOCKS = 8 };
 
-/* Reads a file's header blocks one after the other. */
+/* Reads the header blocks of a file in order. */
 typedef struct reader {
     int fd;
     int64_t size;
     const char *file;
     char buffer[BUFFER_BLOCKS * SF_BLOCK_BYTES];
-    int64_t start; /* of the buffer in the file */
-    int64_t held;  /* bytes in it */
+    int64_t start; /* offset of the buffer in the file */
+    int64_t held;  /* bytes in the buffer */
     XXH3_state_t *hash;
 } reader;
 
-/* The whole block at `offset`, or *block = NULL where the file ends before it does. */
+/* Read the whole block at `offset`; *block is NULL if the file ends before the block does. */
 static int read_block(reader *r, int64_t offset, const char **block, shear_error *err) {
     *block = NULL;
     if (offset < r->start || offset + SF_BLOCK_BYTES > r->start + r->held) {
@@ -59,7 +59,7 @@ static int endless(const reader *r, const sf_header *h, shear_error *err) {
                    MAX_HEADER_BLOCKS * (SF_BLOCK_BYTES / SF_CARD));
 }
 
-/* One block's cards; *ended at END. */
+/* Parse the cards of one block; *ended is set at END. */
 static int parse_block(sf_header *h, const char *block, bool *ended, const char *file,
                        shear_error *err) {
     sf_header_find_label(h, block);
@@ -77,7 +77,7 @@ static int parse_block(sf_header *h, const char *block, bool *ended, const char 
     return SHEAR_OK;
 }
 
-/* The cards of the header at `offset`, up to END, and where its blocks and their hash are. */
+/* Read the cards of the header at `offset`, up to END, and set the place and hash of its blocks. */
 static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *hash,
                       shear_error *err) {
     bool ended = false;
@@ -105,7 +105,7 @@ static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *has
     return SHEAR_OK;
 }
 
-/* The HDU at `offset`; *next becomes the offset behind its data. */
+/* Read the HDU at `offset`; *next becomes the offset behind its data. */
 static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shear_error *err) {
     sf_hdu *hdu = &h->hdu;
     int rc = read_cards(r, h, offset, r->hash, err);
@@ -140,7 +140,7 @@ static bool looks_like_header(const char block[SF_BLOCK_BYTES]) {
 }
 
 /* FITS allows other records behind the last HDU; only XTENSION begins another one. But an HDU whose
- * XTENSION was lost is not to be lost silently, with the weights that it may hold. */
+ * XTENSION is damaged must not be ignored silently, with the weights that it may hold. */
 static int is_extension(reader *r, int64_t offset, bool *yes, shear_error *err) {
     char head[8];
     const char *block = NULL;
@@ -157,7 +157,7 @@ static int is_extension(reader *r, int64_t offset, bool *yes, shear_error *err) 
                    (long long)offset);
 }
 
-/* All HDUs, one after the other. */
+/* Read all HDUs in order. */
 static int read_all(sf_hdu_index *s, reader *r, shear_error *err) {
     int64_t offset = 0;
     bool more = true;
@@ -206,7 +206,7 @@ void sf_hdu_index_deinit(sf_hdu_index *s) {
 static int missing(const sf_hdu_index *s, const char *name, shear_error *err) {
     char found[200] = "";
     for (int i = 1; i < s->count; i++) {
-        char shown[41]; /* at most so much of a name */
+        char shown[41]; /* longer names are cut off */
         text_set(shown, sizeof shown, s->hdus[i].name[0] != '\0' ? s->hdus[i].name : "(unnamed)");
         text_append_item(found, sizeof found, shown);
     }

@@ -12,7 +12,8 @@ enum scalar_type { INTEGER, LOGICAL, STRING };
 
 #define HDU(member) (offsetof(sf_header, hdu) + offsetof(sf_hdu, member))
 
-/* What says where the HDU ends, and what it is. All else is looked at where the HDU is read. */
+/* The keywords that decide where the HDU ends and what it is. All others are checked when the HDU
+ * is read. */
 static const struct {
     const char *key;
     enum scalar_type type;
@@ -130,7 +131,7 @@ static enum sf_kind kind_of(const sf_header *h) {
     return strcmp(h->xtension, "BINTABLE") == 0 ? SF_TABLE : SF_OTHER;
 }
 
-/* The keyword that FITS wants as the next card, into `key`; "" where any may come. */
+/* Set `key` to the keyword that FITS requires as the next card; "" if any is allowed. */
 static void wanted_key(const sf_header *h, char key[24]) {
     static const char *const table[] = {"PCOUNT", "GCOUNT", "TFIELDS"};
     const int n = h->cards;
@@ -174,7 +175,7 @@ static bool bitpix_ok(int64_t bitpix) {
            bitpix == -64;
 }
 
-/* |BITPIX|/8 GCOUNT (PCOUNT + product of the axes); false on overflow. */
+/* Compute |BITPIX|/8 GCOUNT (PCOUNT + product of the axes). Return false on overflow. */
 static bool data_bytes(const sf_header *h, int64_t *out) {
     const sf_hdu *hdu = &h->hdu;
     const int64_t pixel_bytes = (hdu->bitpix < 0 ? -hdu->bitpix : hdu->bitpix) / 8;
@@ -189,7 +190,7 @@ static bool data_bytes(const sf_header *h, int64_t *out) {
         return false;
     if (__builtin_mul_overflow(n, pixel_bytes, out))
         return false;
-    return *out <= INT64_MAX - SF_BLOCK_BYTES; /* room for the last block's padding */
+    return *out <= INT64_MAX - SF_BLOCK_BYTES; /* leave space for the padding of the last block */
 }
 
 static int check_axes(sf_header *h, const char *file, shear_error *err) {

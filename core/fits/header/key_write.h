@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/header/key_write.h: writing keywords. (Reading them: cards.h.) */
+/* fits/header/key_write.h: write keywords (cards.h reads them). */
 #ifndef SHEAR_FITS_HEADER_KEY_WRITE_H
 #define SHEAR_FITS_HEADER_KEY_WRITE_H
 
 #include <fitsio.h>
 
-/* Write a number with as few digits as give it back to the last bit; nothing where it is not
- * finite, which FITS cannot say. */
+/* Write a number with the fewest digits that restore it to the last bit. Write nothing if it is not
+ * finite, because FITS has no notation for that. */
 void sf_key_write_double(fitsfile *fits, const char *key, double value, const char *comment,
                          int *status);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The layout of a binary table. Its numbers: table_read.c. */
+/* Parse the layout of a binary table. table_read.c reads its numbers. */
 #include "fits/header/table.h"
 
 #include "fits/header/card.h"
@@ -15,7 +15,7 @@ static int bad(const sf_table *t, const char *root, int i, const char *what, she
     return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL, "keyword %s%d %s", root, i + 1, what);
 }
 
-/* Bytes of one element; 0 for what no table has. */
+/* Return the bytes of one element; 0 for an unknown type. */
 static int64_t width_of(char type) {
     static const char types[] = "LBIJKAEDCMPQ";
     static const int widths[] = {1, 1, 2, 4, 8, 1, 4, 8, 8, 16, 8, 16};
@@ -32,7 +32,8 @@ static char upper(char c) {
     return c;
 }
 
-/* rT, where r is a count (1 where it is left out) and T a letter; behind P and Q another one. */
+/* Parse rT, where r is a count (1 if absent) and T a letter; P and Q are followed by another
+ * letter. */
 static bool parse_form(const char *form, sf_column *c) {
     int64_t repeat = 0;
     const char *p = form;
@@ -67,7 +68,7 @@ static int set_name(sf_table *t, int i, const char *card, shear_error *err) {
     if (c->name[0] != '\0')
         return bad(t, "TTYPE", i, "is given twice", err);
     if (!sf_card_string(card, c->name, sizeof c->name)) {
-        c->name[0] = '\0'; /* no name that anybody asks for */
+        c->name[0] = '\0'; /* a name that is never looked up */
     }
     return SHEAR_OK;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows of a binary table as numbers, converted and scaled. */
+/* Read rows of a binary table as numbers, converted and scaled. */
 #include "base/io.h"
 #include "fits/header/card.h"
 #include "fits/header/table.h"
@@ -26,7 +26,7 @@ int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes
     return SHEAR_OK;
 }
 
-/* A cell as it is stored: an integer or a floating number, or neither. */
+/* A cell as stored: an integer or a floating-point number, or undefined. */
 typedef struct stored_cell {
     bool floating, undefined;
     int64_t integer;
@@ -65,12 +65,12 @@ static stored_cell stored_cell_of(char type, const unsigned char *bytes) {
     }
 }
 
-/* What stands behind a stored number: null, scale * number + zero. */
+/* How a stored number is converted: null, scale * number + zero. */
 typedef struct scaling {
     bool has_null;
     int64_t null;
     double scale, zero;
-    bool whole; /* scale is 1 and zero an integer, whole_zero; or 2^63, which makes it unsigned */
+    bool whole; /* scale is 1 and zero an integer (whole_zero), so that integers stay exact */
     int64_t whole_zero;
 } scaling;
 
@@ -78,7 +78,7 @@ static scaling scaling_of(const sf_column *c) {
     scaling s = {.scale = 1.0};
     s.has_null =
         c->null != NULL && strchr("BIJK", c->type) != NULL && sf_card_int(c->null, &s.null);
-    if (c->type == 'L') { /* not a number that could be scaled */
+    if (c->type == 'L') { /* logicals are not scaled */
         s.whole = true;
         return s;
     }
@@ -102,7 +102,7 @@ typedef struct sink {
     const sf_column *column;
     scaling by;
     bool is_unsigned;
-    double *doubles; /* one of the two */
+    double *doubles; /* output: either doubles or integers is set */
     int64_t *integers;
     int64_t undefined;
 } sink;
@@ -123,7 +123,7 @@ static int64_t as_integer(const sink *s, stored_cell c) {
             return __builtin_add_overflow(c.integer, s->by.whole_zero, &sum) ? s->undefined : sum;
     }
     const double v = as_double(s, c);
-    return v == floor(v) && fabs(v) < 0x1p63 ? (int64_t)v : s->undefined; /* NaN: neither */
+    return v == floor(v) && fabs(v) < 0x1p63 ? (int64_t)v : s->undefined; /* NaN fails both tests */
 }
 
 static void put(const sink *s, int64_t i, const unsigned char *bytes) {
@@ -135,7 +135,7 @@ static void put(const sink *s, int64_t i, const unsigned char *bytes) {
     }
 }
 
-/* Whole rows at a time where they are short, else cell by cell. */
+/* Read whole rows at a time if they are short, else cell by cell. */
 static int read_rows(const sf_table *t, const sink *s, int64_t first, int64_t count,
                      shear_error *err) {
     unsigned char buffer[BUFFER] = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checksums of inputs: XXH3 of the bytes as they are on disk, packed or not. */
+/* Checksums of inputs: XXH3 of the bytes on disk, packed or not. */
 #include "base/io.h"
 #include "base/text.h"
 #include "common/release.h"
@@ -14,7 +14,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-enum { BUFFER = 1 << 17 }; /* fits the second cache: what was read is still there */
+enum { BUFFER = 1 << 17 }; /* fits into the second-level cache */
 
 static void write_hex(XXH128_hash_t hash, char out[SHEAR_CHECKSUM_SIZE]) {
     snprintf(out, SHEAR_CHECKSUM_SIZE, "%016llx%016llx", (unsigned long long)hash.high64,
@@ -40,7 +40,7 @@ static void stream_close(stream *f) {
     *f = (stream){.fd = -1};
 }
 
-/* By its descriptor, or by its path where fd < 0. */
+/* Open a file by its descriptor, or by its path if fd < 0. */
 static int stream_open(stream *f, const char *path, int fd, shear_error *err) {
     *f = (stream){.fd = fd, .own = fd < 0};
     sf_printable_name(f->name, sizeof f->name, path);
@@ -49,7 +49,8 @@ static int stream_open(stream *f, const char *path, int fd, shear_error *err) {
                    : sf_open_regular(path, at, &f->fd, &f->size, err);
 }
 
-/* One buffer more; *count 0: the end. A file that grows for ever would never end. */
+/* Read one buffer more; *count = 0 at the end. A file that keeps growing is an error, because it
+ * would never end. */
 static int stream_read(stream *f, unsigned char *buffer, size_t *count, shear_error *err) {
     const sf_place at = {f->name, NULL};
     const ssize_t n = io_read_at(f->fd, buffer, BUFFER, f->offset);
@@ -67,7 +68,8 @@ static int stream_read(stream *f, unsigned char *buffer, size_t *count, shear_er
 /* ---- inputs ---- */
 
 typedef struct digest {
-    int file; /* the file whose sum it is: a part's own, or an earlier part's; -1: no such part */
+    int file; /* the part in whose file this part is: itself, or an earlier part; -1: no such part
+               */
     char sum[SHEAR_CHECKSUM_SIZE];
 } digest;
 
@@ -77,10 +79,10 @@ struct shear_hashing {
     bool whole, separate;
     long long hdu[SHEAR_N_PARTS];
     digest parts[SHEAR_N_PARTS];
-    int part; /* the one that is being read; SHEAR_N_PARTS: all have been */
+    int part; /* the part that is being read; SHEAR_N_PARTS: all have been read */
     bool open;
     stream file;
-    int64_t before; /* bytes of the files that have been read */
+    int64_t before; /* bytes of the files that have been read completely */
     XXH3_state_t *state;
     unsigned char *buffer; /* [BUFFER] */
 };
@@ -98,8 +100,8 @@ static bool same_file(const shear_input *input, const int *fds, int a, int b) {
     return known && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
-/* Whose file this part is in; a file of several parts is read once. A catalog that is not given
- * is in the galaxies' file. */
+/* Return the part in whose file this part is, so that a file of several parts is read once. A
+ * catalog that is not given is in the galaxies' file. */
 static int file_of(const shear_hashing *h, int part) {
     if (h->input->parts[part].path == NULL)
         return SHEAR_PART_GALAXY;
@@ -147,7 +149,7 @@ int64_t shear_hashing_bytes(const shear_hashing *h) {
     return h->before + (h->open ? h->file.offset : 0);
 }
 
-/* The next part: its file begins, or there is nothing to read for it. */
+/* Begin the next part: open its file, or skip it if there is nothing to read for it. */
 static int begin_part(shear_hashing *h, shear_error *err) {
     if (h->parts[h->part].file != h->part) {
         h->part++;
@@ -168,7 +170,7 @@ static void end_part(shear_hashing *h) {
     h->part++;
 }
 
-/* One buffer more of the part that is being read, or its beginning or end. */
+/* Read one buffer of the current part, or begin or end it. */
 static int hash_some(shear_hashing *h, shear_error *err) {
     size_t count = 0;
     if (!h->open)

@@ -28,7 +28,7 @@ static int64_t unpack_limit(void) {
     return text != NULL && text_to_int64(text, &limit) && limit > 0 ? limit : SHEAR_UNPACK_LIMIT;
 }
 
-/* Given to this process, which may open none. */
+/* Files for unpacking that were passed to this process, which may not create any. */
 static int given[8];
 static int n_given;
 static atomic_int next_given;
@@ -64,7 +64,7 @@ static int open_copy(sf_place at, int *out, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* One file being unpacked. */
+/* A file that is being unpacked. */
 typedef struct unpacking {
     z_stream z;
     int in, out;
@@ -134,8 +134,8 @@ static int unpack_member(unpacking *u, shear_error *err) {
     }
 }
 
-/* After a member: 1 = another one follows, 0 = the end (zero padding is allowed), negative = an
- * error. */
+/* After a member: return 1 if another one follows, 0 at the end (zero padding is allowed), a
+ * negative code on error. */
 static int more_members(unpacking *u, shear_error *err) {
     const int64_t next = u->position - u->z.avail_in;
     unsigned char head[2] = {0, 0};
@@ -178,7 +178,7 @@ int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err
     u.plain = malloc(CHUNK);
     u.z.next_out = u.plain;
     u.z.avail_out = CHUNK;
-    if (u.packed == NULL || u.plain == NULL || /* 16: expect gzip's header and check its CRC */
+    if (u.packed == NULL || u.plain == NULL || /* 16: expect a gzip header and check its CRC */
         inflateInit2(&u.z, 15 + 16) != Z_OK) {
         return sf_fail_memory(err, at);
     }

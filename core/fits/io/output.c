@@ -20,7 +20,7 @@ static int exists(const sf_output *out, shear_error *err) {
                    "choose another name, or allow it to be replaced", "exists already");
 }
 
-/* Take the path apart: out->base, and its directory opened. */
+/* Split the path into out->base and its directory, which is opened. */
 static int open_directory(sf_output *out, const char *path, shear_error *err) {
     const sf_place at = {out->name, NULL};
     const char *slash = strrchr(path, '/');
@@ -62,7 +62,7 @@ static int name_temporary(sf_output *out, shear_error *err) {
         return sf_fail_errno(err, at, errno, "no random number for a temporary name");
     snprintf(out->temporary, sizeof out->temporary, ".sheard-%ld-%016llx.part", (long)getpid(),
              (unsigned long long)random);
-    /* CFITSIO's own message would not say why a file cannot be made. */
+    /* Try it first: CFITSIO's own message would not say why a file cannot be created. */
     const int fd =
         openat(out->directory, out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0)
@@ -72,7 +72,7 @@ static int name_temporary(sf_output *out, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* The only name that CFITSIO gets. */
+/* Write the only name that is passed to CFITSIO. */
 static void name_for_cfitsio(const sf_output *out, char proc[320]) {
     snprintf(proc, 320, "/proc/self/fd/%d/%s", out->directory, out->temporary);
 }
@@ -111,7 +111,7 @@ static int close_fits(sf_output *out, shear_error *err) {
                : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be completed");
 }
 
-/* The file as long as `bytes` at least, and on disk. */
+/* Make the file at least `bytes` long, and sync it to disk. */
 static int sync_file(const sf_output *out, int64_t bytes, shear_error *err) {
     const sf_place at = {out->name, NULL};
     struct stat st;
@@ -124,14 +124,14 @@ static int sync_file(const sf_output *out, int64_t bytes, shear_error *err) {
     return synced ? SHEAR_OK : sf_fail_errno(err, at, errno, "cannot be brought to disk");
 }
 
-/* 0, or -1 with errno EEXIST where the name is taken. */
+/* Return 0, or -1 with errno; EEXIST if the name is taken. */
 static int rename_to_new(const sf_output *out) {
     const int d = out->directory;
     if (renameat2(d, out->temporary, d, out->base, RENAME_NOREPLACE) == 0)
         return 0;
     if (errno != EINVAL && errno != ENOSYS)
         return -1;
-    /* Not every file system has that flag; a link does not replace either. */
+    /* Not every file system supports that flag; a link does not replace a file either. */
     return linkat(d, out->temporary, d, out->base, 0) == 0 ? unlinkat(d, out->temporary, 0) : -1;
 }
 
@@ -185,7 +185,7 @@ static int name_kept(sf_output *out, const char *path, shear_error *err) {
     return rc;
 }
 
-/* Without the temporary file of before, if there is one; `doing` for the message. */
+/* Remove an older temporary file, if there is one; `doing` is for the message. */
 static int remove_kept(const sf_output *out, const char *doing, shear_error *err) {
     return unlinkat(out->directory, out->temporary, 0) == 0 || errno == ENOENT
                ? SHEAR_OK

@@ -18,7 +18,7 @@ void sf_printable_name(char *out, size_t size, const char *path) {
         return;
     }
     const char *tail = path + length - (size - 4);
-    while ((*tail & 0xc0) == 0x80) { /* not within a character */
+    while ((*tail & 0xc0) == 0x80) { /* do not begin inside a character */
         tail++;
     }
     memcpy(out, "...", 4);
@@ -48,7 +48,7 @@ int sf_check_regular(int fd, sf_place at, int64_t *bytes, shear_error *err) {
 }
 
 int sf_open_regular(const char *path, sf_place at, int *fd, int64_t *bytes, shear_error *err) {
-    /* O_NONBLOCK: opening a FIFO without a writer must not wait. */
+    /* O_NONBLOCK: opening a FIFO without a writer must not block. */
     *fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (*fd < 0) {
         return errno == ENXIO ? sf_fail(err, SHEAR_E_IO, at, "give a regular file",
@@ -70,7 +70,7 @@ static void prepare(sf_source *s, const char *path) {
     text_set(s->base, sizeof s->base, slash != NULL ? slash + 1 : path);
 }
 
-/* Unpack where needed; then s->fd begins like FITS. */
+/* Unpack the file if it is gzipped; then s->fd must begin like FITS. */
 static int look_inside(sf_source *s, shear_error *err) {
     const sf_place at = {s->name, NULL};
     unsigned char head[16];
@@ -114,7 +114,8 @@ int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err) 
     if (rc != SHEAR_OK)
         return rc;
     s->size = s->file_bytes;
-    s->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0); /* its offset is the caller's: only pread is used */
+    s->fd = fcntl(fd, F_DUPFD_CLOEXEC,
+                  0); /* the offset is shared with the caller's descriptor, so only pread is used */
     return s->fd >= 0 ? look_inside(s, err) : sf_fail_errno(err, at, errno, "cannot be duplicated");
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/io/source.h: an open regular file that begins like FITS, unpacked where it was gzipped. */
+/* fits/io/source.h: open a regular file that begins like FITS, unpacked if it is gzipped. */
 #ifndef SHEAR_FITS_IO_SOURCE_H
 #define SHEAR_FITS_IO_SOURCE_H
 
@@ -11,25 +11,25 @@
 
 typedef struct sf_source {
     int fd;             /* the file, or its unpacked copy; -1 = closed */
-    int64_t size;       /* bytes behind fd */
-    int64_t file_bytes; /* as on disk */
+    int64_t size;       /* size in bytes of fd's file */
+    int64_t file_bytes; /* size on disk */
     bool gzipped;
-    char name[161]; /* for messages: printable, a long path's tail */
+    char name[161]; /* for messages: printable; of a long path, the tail */
     char base[256]; /* base name as given */
 } sf_source;
 
-/* SHEAR_E_IO: cannot be opened, no regular file, no room to unpack; SHEAR_E_FORMAT: empty, not
- * FITS, bad gzip. Close it, also after an error. */
+/* Open a file. SHEAR_E_IO: cannot be opened, not a regular file, no space to unpack;
+ * SHEAR_E_FORMAT: empty, not FITS, bad gzip. Call sf_source_close after an error, too. */
 int sf_source_open(sf_source *s, const char *path, shear_error *err);
-/* Of the caller's descriptor, which keeps its offset and stays his. */
+/* Open a duplicate of the caller's descriptor, whose offset does not change. */
 int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err);
 void sf_source_close(sf_source *s);
 
-/* Open `path` for reading; *fd is a regular file, *bytes its size. */
+/* Open `path` for reading; *fd is a regular file, *bytes its size. SHEAR_E_IO. */
 int sf_open_regular(const char *path, sf_place at, int *fd, int64_t *bytes, shear_error *err);
-/* *bytes is the size of the regular file `fd`. */
+/* Set *bytes to the size of `fd`, which must be a regular file. SHEAR_E_IO. */
 int sf_check_regular(int fd, sf_place at, int64_t *bytes, shear_error *err);
-/* A path as messages show it: control characters replaced, a long one shortened from the left. */
+/* Format a path for messages: control characters replaced, a long path shortened from the left. */
 void sf_printable_name(char *out, size_t size, const char *path);
 
 #endif

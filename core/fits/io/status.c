@@ -24,7 +24,7 @@ static bool means_full(int number) {
     return number == ENOSPC || number == EDQUOT;
 }
 
-/* CFITSIO does not tell why a write failed; `number` is errno, which the system call left. */
+/* CFITSIO does not report why a write failed; `number` is the errno that the system call left. */
 static int code_of(int status, int number) {
     switch (status) {
     case MEMORY_ALLOCATION:
@@ -45,7 +45,7 @@ int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing)
     char detail[FLEN_ERRMSG] = "";
     const int number = errno;
     fits_get_errstatus(status, text);
-    /* The oldest message is the nearest to the cause; the younger ones say who called whom. */
+    /* The oldest message is closest to the cause; later ones name the callers. */
     if (fits_read_errmsg(detail) == 0)
         detail[0] = '\0';
     fits_clear_errmsg();

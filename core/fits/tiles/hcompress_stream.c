@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sf_hcompress_sound: follow an H-compress stream bit by bit without rebuilding the image.
  *
- * Behind its header the stream has four quadrants of coefficients (those of x and y sums and
- * differences). Each is a number of bit planes, each plane either plain nybbles or a quadtree whose
- * nodes are Huffman-coded nybbles: a set bit of a node says that there is something in that
- * quarter. Then a nybble of zero, and a sign bit for every coefficient that is not zero: which is
- * why those must be known.
- */
+ * After its header the stream has four quadrants of coefficients (of the sums and differences in x
+ * and y). Each has a number of bit planes, and each plane is either plain nybbles or a quadtree
+ * whose nodes are Huffman-coded nybbles: a set bit of a node means that its quarter is not empty. A
+ * nybble of zero follows, and then a sign bit for every coefficient that is not zero, so these must
+ * be tracked. */
 #include "fits/io/bits.h"
 #include "fits/tiles/tile_stream.h"
 
@@ -14,16 +13,16 @@
 
 typedef struct walk {
     sf_bits bits;
-    int64_t stride;          /* coefficients in a row */
+    int64_t stride;          /* coefficients per row */
     unsigned char *nonzero;  /* [nx][stride] */
-    unsigned char *nodes[2]; /* a level of the quadtree, and the next one */
+    unsigned char *nodes[2]; /* one level of the quadtree, and the next */
 } walk;
 
 static int64_t half(int64_t n) {
     return (n + 1) / 2;
 }
 
-/* A node's four bits. The shortest codes are for one bit set. */
+/* Read a node's four bits. Nodes with one bit set have the shortest codes. */
 static bool read_node(sf_bits *b, unsigned char *node) {
     static const unsigned char four[] = {3, 5, 10, 12, 15};
     static const unsigned char five[] = {6, 7, 9, 11, 13};
@@ -57,13 +56,13 @@ static bool read_node(sf_bits *b, unsigned char *node) {
     return true;
 }
 
-/* The bit of (x, y) in the node above it. */
+/* Return the bit of (x, y) in the node above it. */
 static int bit_of(const unsigned char *nodes, int64_t row, int64_t x, int64_t y) {
     return nodes[x / 2 * row + y / 2] >> (3 - 2 * (x % 2) - y % 2) & 1;
 }
 
-/* From the nodes of one level to the nx x ny nodes of the next; where a bit is set, a node follows
- * in the stream. The stream has them from the last to the first. */
+/* Expand the nodes of one level to the nx x ny nodes of the next: for each bit that is set, the
+ * stream has a node. They are stored from the last to the first. */
 static bool expand(walk *w, int64_t nx, int64_t ny) {
     unsigned char *next = w->nodes[1];
     for (int64_t i = nx * ny - 1; i >= 0; i--) {
@@ -76,7 +75,7 @@ static bool expand(walk *w, int64_t nx, int64_t ny) {
     return true;
 }
 
-/* One plane's quadtree down to its lowest nodes, one for 2 x 2 coefficients. */
+/* Read one plane's quadtree down to its lowest nodes, one for 2 x 2 coefficients. */
 static bool read_tree(walk *w, int64_t nx, int64_t ny, int levels) {
     int64_t rest_x = nx;
     int64_t rest_y = ny;

@@ -7,7 +7,7 @@
 
 static int check_header(const sf_hdu *hdu, sf_place at, shear_error *err) {
     if (hdu->zimage && hdu->kind == SF_TABLE) {
-        return SHEAR_OK; /* sf_tiling_init */
+        return SHEAR_OK; /* checked by sf_tiling_init */
     }
     if (hdu->kind != SF_IMAGE)
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "must be an image, but is a table");
@@ -45,7 +45,7 @@ static int set_tiled(sf_image *image, const sf_file *file, const sf_hdu *hdu, sh
     return sf_tiles_init(&image->tiles, &image->table, &image->tiling, err);
 }
 
-/* Its header for CFITSIO, as a primary HDU. */
+/* Write the header of a plain image for CFITSIO, as a primary HDU. */
 static int show_plain(sf_image *image, double scale, double zero, shear_error *err) {
     sf_view *v = &image->view;
     int64_t blank = 0;
@@ -117,7 +117,8 @@ void sf_image_deinit(sf_image *image) {
     sf_cards_deinit(&image->cards);
 }
 
-/* Plain pixels that follow each other in the file are read in one piece. */
+/* Return whether the pixels of a box of a plain image are contiguous in the file, so that they can
+ * be read at once. */
 static bool contiguous(const sf_image *image, const int64_t size[SF_AXES]) {
     return !image->compressed && size[0] == image->axes[0] &&
            (size[1] == image->axes[1] || size[2] == 1);
@@ -130,7 +131,8 @@ int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t s
         if (rc != SHEAR_OK)
             return rc;
     }
-    /* Floating pixels of a plain image need no null value: CFITSIO then copies them bit by bit. */
+    /* Floating-point pixels of a plain image need no null value: without one, CFITSIO copies them
+     * bit by bit. */
     double null = image->bitpix < 0 && !image->compressed ? 0.0 : NAN;
     long low[SF_AXES];
     long high[SF_AXES];
@@ -140,7 +142,7 @@ int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t s
         high[k] = (long)(first[k] + size[k]);
     }
     int status = 0;
-    int any_null = 0; /* not NULL: CFITSIO 4.2 writes to it unasked where a pixel is undefined */
+    int any_null = 0; /* not NULL: CFITSIO 4.2 writes to it in any case if a pixel is undefined */
     if (contiguous(image, size)) {
         fits_read_pix(image->fits, TDOUBLE, low, size[0] * size[1] * size[2], &null, out, &any_null,
                       &status);

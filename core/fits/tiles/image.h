@@ -1,33 +1,33 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/tiles/image.h: an image HDU, plain or tile-compressed, read in boxes of pixels as doubles.
- */
+/* fits/tiles/image.h: read an image HDU, plain or tile-compressed, in boxes of pixels as
+ * doubles. */
 #ifndef SHEAR_FITS_TILES_IMAGE_H
 #define SHEAR_FITS_TILES_IMAGE_H
 
 #include "fits/tiles/tiles.h"
 
 typedef struct sf_image {
-    sf_cards cards; /* of its HDU */
+    sf_cards cards; /* of the image's HDU */
     sf_view view;
     fitsfile *fits;        /* of the view */
     int naxis;             /* 2 or 3 */
     int64_t axes[SF_AXES]; /* all positive; 1 beyond naxis */
-    int bitpix;            /* as stored, BSCALE apart */
+    int bitpix;            /* as stored, before BSCALE */
     bool compressed;
-    sf_table table; /* where compressed, with the next two */
+    sf_table table; /* if compressed, like the next two */
     sf_tiling tiling;
     sf_tiles tiles;
 } sf_image;
 
-/* Open the image HDU called `label` in messages. In place: parts of *image point to each other.
- * Deinit it, also after an error. SHEAR_E_FORMAT. */
+/* Open the image HDU that messages call `label`. *image must not move: its parts point to each
+ * other. SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM. Call sf_image_deinit after an error, too. */
 int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const char *label,
                   shear_error *err);
 void sf_image_deinit(sf_image *image);
 
-/* out[size[2]][size[1]][size[0]] = the box at `first` (0-based), which must lie in the image. BLANK
- * is NaN; NaN and infinities of plain images arrive as they are, those of compressed ones as NaN.
- */
+/* Read out[size[2]][size[1]][size[0]], the box at `first` (0-based), which must lie in the image.
+ * BLANK is NaN. NaN and infinities of plain images are kept; those of compressed images become
+ * NaN. */
 int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
                   double *out, shear_error *err);
 

@@ -5,8 +5,8 @@
 
 #include <zlib.h>
 
-/* One block: a code of `code_bits` says how its `pixels` differences are split. 0: all are zero;
- * the largest: they are stored whole; else the low code-1 bits follow a unary count. */
+/* Skip one block. A code of `code_bits` tells how its `pixels` differences are stored: 0: all are
+ * zero; the largest code: whole; else the low code-1 bits follow a unary count. */
 static bool skip_block(sf_bits *b, int64_t pixels, int code_bits, int whole_code, int pixel_bits) {
     int code = 0;
     if (!sf_bits_read(b, code_bits, &code))
@@ -28,7 +28,7 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
     const int whole_code = (pixel_bytes == 4 ? 25 : pixel_bytes == 2 ? 14 : 6) + 1;
     const int pixel_bits = (int)(8 * pixel_bytes);
     sf_bits b = {.bytes = bytes, .count = 8 * count};
-    if (!sf_bits_skip(&b, pixel_bits)) { /* the first pixel, whole */
+    if (!sf_bits_skip(&b, pixel_bits)) { /* the first pixel, stored whole */
         return false;
     }
     for (int64_t done = 0; done < pixels; done += block) {
@@ -36,7 +36,8 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
         if (!skip_block(&b, n, code_bits, whole_code, pixel_bits))
             return false;
     }
-    int rest = 0; /* zeros that fill the last byte; else it was packed in other blocks */
+    int rest =
+        0; /* zeros that fill the last byte; otherwise it was packed with another block size */
     const int64_t left = b.count - b.position;
     return left < 8 && sf_bits_read(&b, (int)left, &rest) && rest == 0;
 }
@@ -46,7 +47,7 @@ int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit) {
     z_stream z = {0};
     if (count > UINT32_MAX || inflateInit2(&z, 15 + 16) != Z_OK)
         return -1;
-    z.next_in = (unsigned char *)bytes; /* zlib only reads it */
+    z.next_in = (unsigned char *)bytes; /* zlib does not write to it */
     z.avail_in = (uInt)count;
     int64_t size = 0;
     int rc = Z_OK;
@@ -70,7 +71,7 @@ bool sf_plio_sound(const unsigned char *bytes, int64_t count, int64_t pixels) {
         return false;
     int64_t first = 3;
     int64_t length = word(bytes, 2);
-    if (length <= 0) { /* the newer header: its own length, and a length of two words */
+    if (length <= 0) { /* the newer header: its own length, then a data length of two words */
         if (words < 5 || word(bytes, 3) < 0 || word(bytes, 4) < 0)
             return false;
         first = word(bytes, 1);
@@ -85,7 +86,7 @@ bool sf_plio_sound(const unsigned char *bytes, int64_t count, int64_t pixels) {
             return false;
         const bool run = instruction == 0 || instruction == 4 || instruction == 5;
         seen += run ? word(bytes, i) % 4096 : instruction >= 6 ? 1 : 0;
-        if (instruction == 1 && ++i >= length) { /* the only instruction of two words */
+        if (instruction == 1 && ++i >= length) { /* the only instruction with two words */
             return false;
         }
     }

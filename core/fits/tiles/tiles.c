@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A stream longer than this is no compression; it bounds what is read for one tile. */
+/* A longer stream would not be compression. This bounds the bytes read for one tile. */
 static int64_t max_stream_bytes(int64_t pixels) {
     return 16 * pixels + 4096;
 }
@@ -40,8 +40,8 @@ static int64_t element_bytes(char type) {
     return type == 'B' ? 1 : type == 'I' ? 2 : type == 'D' ? 8 : 4;
 }
 
-/* Elements and place of one tile in one of the columns; 0 elements where the column is not there.
- */
+/* Read the number of elements and the place of one tile in one of the columns; 0 elements if the
+ * column is absent. */
 static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *count, int64_t *offset,
                       shear_error *err) {
     const sf_column *c = t->tiling->column[column];
@@ -49,7 +49,7 @@ static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *coun
     if (c == NULL)
         return SHEAR_OK;
     unsigned char cell[16];
-    const int width = c->type == 'Q' ? 8 : 4; /* P: CFITSIO takes these, too, for unsigned */
+    const int width = c->type == 'Q' ? 8 : 4; /* P: CFITSIO, too, reads these as unsigned */
     const int rc = sf_table_bytes(t->table, tile, c->offset, 2 * width, cell, err);
     if (rc != SHEAR_OK)
         return rc;
@@ -78,10 +78,11 @@ static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_
     return n == bytes ? SHEAR_OK : bad_tile(t, tile, "the file ends before its data do", err);
 }
 
-/* Gzipped pixels must be exactly as many bytes as CFITSIO will take them for. */
+/* Gzipped pixels must have exactly as many bytes as CFITSIO will assume. */
 static bool gzip_sound(const sf_tiles *t, int64_t bytes, int64_t pixels) {
     const int64_t size = sf_gzip_size(t->buffer, bytes, 8 * pixels);
-    if (t->tiling->lossless_float) { /* doubles also under ZBITPIX -32: CFITSIO tells by the size */
+    if (t->tiling->lossless_float) { /* doubles are possible even if ZBITPIX is -32: CFITSIO decides
+                                        by the size */
         return size == 4 * pixels || size == 8 * pixels;
     }
     if (t->tiling->bitpix < 0) { /* quantized to 32-bit integers */
@@ -106,7 +107,7 @@ static bool stream_sound(const sf_tiles *t, int64_t bytes, const int64_t sides[S
     }
 }
 
-/* A tile that would not compress is in one of two other columns. */
+/* Check the other two columns: one of them holds a tile that could not be compressed. */
 static int check_alternatives(sf_tiles *t, int64_t tile, int64_t pixels, shear_error *err) {
     int64_t count = 0;
     int64_t offset = 0;
@@ -125,7 +126,7 @@ static int check_alternatives(sf_tiles *t, int64_t tile, int64_t pixels, shear_e
     rc = load(t, tile, pixels, count, offset, err);
     if (rc != SHEAR_OK)
         return rc;
-    const int64_t wanted = pixels * -t->tiling->bitpix / 8; /* of floating pixels only */
+    const int64_t wanted = pixels * -t->tiling->bitpix / 8; /* for floating-point pixels only */
     return wanted >= 0 && sf_gzip_size(t->buffer, count, wanted) == wanted
                ? SHEAR_OK
                : bad_tile(t, tile, "its gzip data are damaged", err);
@@ -158,7 +159,7 @@ static int check_tile(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], s
     return SHEAR_OK;
 }
 
-/* Sides of the tile at grid position c: those at the far borders are smaller. */
+/* Compute the sides of the tile at grid position c; those at the far borders are smaller. */
 static void tile_sides(const sf_tiling *z, const int64_t c[SF_AXES], int64_t sides[SF_AXES]) {
     for (int k = 0; k < SF_AXES; k++) {
         const int64_t rest = z->axes[k] - c[k] * z->tile[k];

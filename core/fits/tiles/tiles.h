@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/tiles/tiles.h: the tiles of a compressed image, checked before CFITSIO unpacks them. */
+/* fits/tiles/tiles.h: check the tiles of a compressed image before CFITSIO unpacks them. */
 #ifndef SHEAR_FITS_TILES_TILES_H
 #define SHEAR_FITS_TILES_TILES_H
 
@@ -10,12 +10,13 @@ typedef struct sf_tiles {
     const sf_table *table;
     const sf_tiling *tiling;
     int64_t heap_offset, heap_bytes; /* in the file */
-    sf_bitset sound;                 /* tiles already checked */
+    sf_bitset sound;                 /* tiles that have passed the check */
     unsigned char *buffer;           /* [capacity]: one tile's stream, and work space */
     size_t capacity;
 } sf_tiles;
 
-/* `table` and `tiling` outlive *t. Deinit it, also after an error. SHEAR_E_NOMEM. */
+/* Set up. `table` and `tiling` must outlive *t. SHEAR_E_NOMEM. Call sf_tiles_deinit after an error,
+ * too. */
 int sf_tiles_init(sf_tiles *t, const sf_table *table, const sf_tiling *tiling, shear_error *err);
 void sf_tiles_deinit(sf_tiles *t);
 

@@ -36,7 +36,7 @@ static int read_axis(sf_tiling *t, const sf_table *table, int k, shear_error *er
     t->tile[k] = k == 0 ? t->axes[0] : 1;
     snprintf(key, sizeof key, "ZTILE%d", k + 1);
     rc = sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], &found, err);
-    if (t->tile[k] > t->axes[k]) { /* the same tiles */
+    if (t->tile[k] > t->axes[k]) { /* this gives the same tiles */
         t->tile[k] = t->axes[k];
     }
     t->grid[k] = (t->axes[k] - 1) / t->tile[k] + 1;
@@ -75,7 +75,7 @@ static int read_sizes(sf_tiling *t, const sf_table *table, shear_error *err) {
 
 /* ---- algorithm ---- */
 
-/* One of `words`, a list ended by NULL; -1 if the keyword is not there. */
+/* Find a keyword's value in `words`, a list ended by NULL; -1 if the keyword is absent. */
 static int read_word(const sf_table *table, const char *key, const char *const *words, int *out,
                      shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
@@ -124,8 +124,8 @@ static int read_algorithm(sf_tiling *t, const sf_table *table, shear_error *err)
     return read_bitpix(t, table, err);
 }
 
-/* A parameter is known by its place: where it has a name, that must be the one which belongs there.
- */
+/* Read a parameter, which is identified by its position. If it has a name, it must be the one that
+ * belongs there. */
 static int read_parameter(const sf_table *table, int i, const char *name, int64_t min, int64_t max,
                           int64_t *value, bool *found, shear_error *err) {
     char key[SF_KEY + 16];
@@ -136,7 +136,7 @@ static int read_parameter(const sf_table *table, int i, const char *name, int64_
     if (rc != SHEAR_OK)
         return rc;
     if (text != NULL && strcmp(text, name) != 0) {
-        const bool old = i == 2 && strcmp(text, "NOISEBIT") == 0; /* files of before 2010 */
+        const bool old = i == 2 && strcmp(text, "NOISEBIT") == 0; /* files from before 2010 */
         return old ? SHEAR_OK
                    : sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
                              "tile compression: %s is not '%s', which belongs there", key, name);
@@ -164,7 +164,7 @@ static int read_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
 }
 
 static int read_hcompress(sf_tiling *t, const sf_table *table, shear_error *err) {
-    double scale = 0.0; /* the stream has its own */
+    double scale = 0.0; /* ignored: the stream has its own scale */
     int64_t smooth = 0;
     bool found = false;
     int rc = sf_key_double(table->cards, "ZVAL1", &scale, &found, err);
@@ -188,7 +188,7 @@ static bool is_variable(const sf_column *c, const char *elements) {
            strchr(elements, c->element) != NULL;
 }
 
-/* Nothing but its own number may stand in a cell. */
+/* Return whether the column's cells are plain numbers: not scaled, without a null value. */
 static bool is_unscaled(const sf_column *c) {
     double v = 0.0;
     return !c->twice && c->null == NULL &&
@@ -231,10 +231,10 @@ static int read_heap(sf_tiling *t, const sf_table *table, shear_error *err) {
     return sf_key_int(table->cards, "THEAP", rows, hdu->data_bytes, &t->heap, &found, err);
 }
 
-/* ---- numbers behind the pixels ---- */
+/* ---- how pixels are converted ---- */
 
-/* Floating pixels are gzipped as they are, or quantized with a scale and a zero of each tile. Where
- * CFITSIO finds neither, it takes integers for floating numbers, and reads past their end. */
+/* Floating-point pixels are gzipped as they are, or quantized with a scale and a zero per tile. If
+ * both are missing, CFITSIO takes integers for floating-point numbers and reads past their end. */
 static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *err) {
     static const char *const words[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1", "SUBTRACTIVE_DITHER_2",
                                         "NONE", NULL};
@@ -262,7 +262,7 @@ static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *e
     return SHEAR_OK;
 }
 
-/* ZSCALE and ZZERO as keywords, of pixels without such columns. */
+/* Read ZSCALE and ZZERO as keywords, for pixels without such columns. */
 static int read_scale(sf_tiling *t, const sf_table *table, shear_error *err) {
     bool has_zero = false;
     t->scale = 1.0;
@@ -288,7 +288,7 @@ static int read_numbers(sf_tiling *t, const sf_table *table, shear_error *err) {
     return read_scale(t, table, err);
 }
 
-/* What the algorithm wants to know. */
+/* Read the parameters of the algorithm. */
 static int read_parameters(sf_tiling *t, const sf_table *table, shear_error *err) {
     return t->algorithm == SF_RICE        ? read_rice(t, table, err)
            : t->algorithm == SF_HCOMPRESS ? read_hcompress(t, table, err)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/tiles/tiling.h: the keywords and columns of a tile-compressed image, all of them checked. */
+/* fits/tiles/tiling.h: read and check the keywords and columns of a tile-compressed image. */
 #ifndef SHEAR_FITS_TILES_TILING_H
 #define SHEAR_FITS_TILES_TILING_H
 
@@ -9,33 +9,34 @@
 enum sf_algorithm { SF_RICE, SF_GZIP_1, SF_GZIP_2, SF_PLIO, SF_HCOMPRESS };
 enum sf_dither { SF_UNDITHERED, SF_DITHER_1, SF_DITHER_2 };
 
-/* Columns of tiles, and what belongs to each tile. */
+/* Columns of the table: the tiles' data, and the numbers of each tile. */
 enum sf_tile_column { SF_DATA, SF_GZIP_DATA, SF_RAW_DATA, SF_ZSCALE, SF_ZZERO, SF_ZBLANK };
 enum { SF_TILE_COLUMNS = 6 };
 
 typedef struct sf_tiling {
     enum sf_algorithm algorithm;
     int64_t bitpix, naxis;
-    int64_t axes[SF_AXES], tile[SF_AXES]; /* of the image, of a whole tile; 1 beyond naxis */
+    int64_t axes[SF_AXES], tile[SF_AXES]; /* sides of the image; of a whole tile; 1 beyond naxis */
     int64_t grid[SF_AXES];                /* tiles along each axis */
-    bool lossless_float;                  /* floating pixels gzipped as they are */
-    enum sf_dither dither;                /* of quantized floating pixels */
+    bool lossless_float;                  /* floating-point pixels gzipped without quantization */
+    enum sf_dither dither;                /* of quantized floating-point pixels */
     int64_t seed;                         /* ZDITHER0 */
-    int64_t block, width;                 /* Rice: pixels in a block, bytes of a pixel */
-    bool smooth;                          /* H-compress */
+    int64_t block, width;                 /* Rice: pixels per block; bytes per pixel */
+    bool smooth;                          /* H-compress: smoothing */
     bool has_blank;
     int64_t blank;
-    bool has_scale; /* ZSCALE and ZZERO as keywords, of integer pixels */
+    bool has_scale; /* ZSCALE and ZZERO are keywords, of integer pixels */
     double scale, zero;
-    const sf_column *column[SF_TILE_COLUMNS]; /* NULL = there is no such column */
-    int64_t heap;                             /* offset of the heap in the data */
+    const sf_column *column[SF_TILE_COLUMNS]; /* NULL: the column is absent */
+    int64_t heap;                             /* offset of the heap in the HDU's data */
 } sf_tiling;
 
-/* Of the HDU of `table`. SHEAR_E_FORMAT names the keyword, its value, and what it must be. */
+/* Read the tiling of the HDU of `table`. SHEAR_E_FORMAT names the keyword, its value, and what it
+ * must be. */
 int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err);
 
-/* The headers of a view with this image and nothing else (tiling_view.c): an empty primary HDU, and
- * the table. `bscale`, `bzero`: of the image. */
+/* Write the headers of a view with this image and nothing else (tiling_view.c): an empty primary
+ * HDU, and the table. `bscale` and `bzero` are the image's. */
 void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, double bzero,
                     sf_view *view);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sf_tiling_show: the header of a compressed image for CFITSIO. */
+/* sf_tiling_show: write the header of a compressed image for CFITSIO. */
 #include "fits/tiles/tiling.h"
 
 #include "fits/header/card.h"
@@ -32,7 +32,7 @@ static void show_table(const sf_tiling *t, const sf_table *table, sf_view *v) {
     sf_view_int(v, "THEAP", t->heap);
 }
 
-/* Columns that do not belong to the image are so many characters without a name. */
+/* Columns that do not belong to the image are described as characters without a name. */
 static void show_column(const sf_tiling *t, const sf_column *c, int i, sf_view *v) {
     static const char *const names[SF_TILE_COLUMNS] = {
         "COMPRESSED_DATA", "GZIP_COMPRESSED_DATA", "UNCOMPRESSED_DATA", "ZSCALE", "ZZERO",

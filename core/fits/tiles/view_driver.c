@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A driver knows an open file by a small number. A view's is its place in a table. The name that
- * CFITSIO is given ("sheard://12") is made here and holds nothing of a user's.
+/* An I/O driver of CFITSIO that reads views.
  *
- * Lock: `lock` guards the table, held for a look-up only. A view is read by the one thread that has
- * its fitsfile; its slot's position needs no lock. */
+ * A driver identifies an open file by a small number; a view's is its slot in a table. The name
+ * that is passed to CFITSIO ("sheard://12") is made here and holds no user input.
+ *
+ * Lock: `lock` guards the table and is held for a look-up only. A view is read only by the thread
+ * that has its fitsfile, so the position in its slot needs no lock. */
 #include "fits/tiles/view_driver.h"
 
 #include "base/io.h"
@@ -26,7 +28,7 @@ static struct {
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static int registered = -1; /* CFITSIO's status */
+static int registered = -1; /* CFITSIO's status of the registration */
 
 static int claim(const sf_view *v) {
     int slot = -1;
@@ -64,7 +66,7 @@ static int on_open(char *name, int mode, int *handle) {
 }
 
 static int on_close(int handle) {
-    (void)handle; /* the slot is the view's, until it is deinit'ed */
+    (void)handle; /* the slot belongs to the view until sf_view_deinit */
     return 0;
 }
 
@@ -84,7 +86,7 @@ static int on_seek(int handle, LONGLONG offset) {
     return 0;
 }
 
-/* Of the data; zeros where its last block is not full. */
+/* Read from the data; zeros fill the last block. */
 static int read_data(const sf_view *v, int64_t from, char *out, int64_t bytes) {
     const int64_t left = v->data_bytes > from ? v->data_bytes - from : 0;
     const int64_t wanted = left < bytes ? left : bytes;
@@ -115,7 +117,7 @@ static int on_read(int handle, void *into, long bytes) {
 static void register_driver(void) {
     char name[sizeof prefix];
     memcpy(name, prefix, sizeof prefix);
-    registered = fits_init_cfitsio(); /* or it would take the place of one of CFITSIO's own */
+    registered = fits_init_cfitsio(); /* first, or the driver would replace one of CFITSIO's own */
     if (registered == 0) {
         registered =
             fits_register_driver(name, NULL, NULL, NULL, NULL, NULL, NULL, on_open, NULL, NULL,

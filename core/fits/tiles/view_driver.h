@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/tiles/view_driver.h: CFITSIO's reads of views. */
+/* fits/tiles/view_driver.h: open views in CFITSIO, through an I/O driver. */
 #ifndef SHEAR_FITS_TILES_VIEW_DRIVER_H
 #define SHEAR_FITS_TILES_VIEW_DRIVER_H
 
 #include "fits/tiles/view.h"
 
-/* Have CFITSIO open `v`, whose header is complete. *status is CFITSIO's. SHEAR_E_INTERNAL: it takes
- * no driver, or is not reentrant; SHEAR_E_IO: too many views are open. */
+/* Have CFITSIO open `v`, whose header is complete. *status is CFITSIO's. SHEAR_E_INTERNAL: CFITSIO
+ * accepts no driver, or is not reentrant; SHEAR_E_IO: too many views are open. */
 int sf_view_driver_open(sf_view *v, fitsfile **fits, int *status, shear_error *err);
-/* After CFITSIO has closed it, or could not open it. */
+/* Release the view's slot, after CFITSIO has closed it or could not open it. */
 void sf_view_driver_release(sf_view *v);
 
 #endif
