@@ -3,10 +3,11 @@
  * @file shear/catalog.h
  * Result catalogs: a FITS binary table SHEAR with one row per stamp, in stamp order.
  *
- * Columns: ID, X, Y, RA, DEC if the field file gives them, then N1 N2 D U V M20 M02 M11 M4 FLUX SNR
- * WEIGHT (doubles) and FLAGS (a 32-bit integer; shear/stamp.h). The header holds every setting
- * (shear/settings.h), what the plan resolved them to, the field's result, the input's name and
- * checksum, and the version of the software.
+ * Columns: ID, X, Y, RA, DEC if the field file has them, then N1 N2 D U V M20 M02 M11 M4 NOISE_N1
+ * NOISE_N2 NOISE_D HIGH_G HIGH_N FLUX SNR WEIGHT (doubles), FLAGS (a 32-bit integer;
+ * shear/stamp.h), ART_X and ART_Y (the artefact's pixel, from 1; 0: none). The header holds every
+ * setting (shear/settings.h), what the plan resolved them to, the field's result, the input's name
+ * and checksum, and the version of the software.
  *
  * A handle is used by one thread at a time.
  */
@@ -25,45 +26,47 @@ extern "C" {
 /** A catalog that is being written. */
 typedef struct shear_catalog shear_catalog;
 
-/** Begin the catalog `path` for the stamps of `info`. It appears under its name only when it is
- * finished (temporary file, fsync, rename). SHEAR_E_EXISTS if there is one and `overwrite` is
+/** Create the catalog `path` for the stamps of `info`. It appears under its name only when it is
+ * finished (temporary file, fsync, rename). SHEAR_E_EXISTS if the file exists and `overwrite` is
  * false. *c is NULL on error. */
 int shear_catalog_create(shear_catalog **c, const char *path, const shear_field_info *info,
                          bool overwrite, shear_error *err);
-/** Write rows [first, first+count); `block` supplies ID, X, Y, RA, DEC. Any order, any chunking. */
+/** Write rows [first, first+count); `block` supplies ID, X, Y, RA, DEC. Rows may be written in any
+ * order and in chunks of any size. */
 int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_row *rows,
                         const shear_block *block, shear_error *err);
-/** Write the header and put the file in place. Frees c, whatever it returns. */
+/** Write the header and put the file in place. Frees c, also on error. */
 int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
                          const char *input_name, const char *checksum, shear_error *err);
-/** Give the catalog up: remove its temporary file and free c. NULL is accepted. */
+/** Abandon the catalog: remove its temporary file and free c. NULL is accepted. */
 void shear_catalog_abort(shear_catalog *c);
 
 /**
  * @name Catalogs of work that outlives its process
- * Their temporary file is called ".NAME.part". It stays when the process ends, however that
- * happens, and can be continued: rows [0, rows) are in it if shear_catalog_sync() said so.
- * `checksum` (of the input) and n_stamps tie it to its input; the caller keeps settings and path
- * the same. The finished file has the same bytes, whether it was interrupted or not.
+ * Their temporary file is called ".NAME.part". It remains when the process ends, for whatever
+ * reason, and can be continued: it contains rows [0, rows) if shear_catalog_sync() returned
+ * SHEAR_OK for them. `checksum` (of the input) and n_stamps tie it to its input; the caller must
+ * keep settings and path the same. The finished file has the same bytes, whether it was interrupted
+ * or not.
  * @{
  */
 
-/** Begin from the start, whatever is there; an existing catalog is replaced in the end. */
+/** Begin from the start, whatever exists; an existing catalog is replaced in the end. */
 int shear_catalog_begin(shear_catalog **c, const char *path, const shear_field_info *info,
                         const char *checksum, shear_error *err);
-/** Continue after row `rows`; later rows are written again. SHEAR_E_IO or SHEAR_E_FORMAT if there
- * is no file that can be continued: begin from the start then. */
+/** Continue after row `rows`; later rows must be written again. SHEAR_E_IO or SHEAR_E_FORMAT if no
+ * file can be continued: begin from the start then. */
 int shear_catalog_resume(shear_catalog **c, const char *path, const shear_field_info *info,
                          const char *checksum, int64_t rows, shear_error *err);
-/** Bring rows [0, rows), all of which have been written, to disk. */
+/** Sync rows [0, rows), all of which have been written, to disk. */
 int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err);
-/** Close the temporary file, leave it there, and free c. NULL is accepted. */
+/** Close the temporary file, keep it, and free c. NULL is accepted. */
 void shear_catalog_suspend(shear_catalog *c);
 /** Remove the temporary file of `path`, if there is one. */
 int shear_catalog_discard(const char *path, shear_error *err);
 /** @} */
 
-/** A catalog that was read (for plots and tests). */
+/** A catalog in memory (for plots and tests). */
 typedef struct shear_catalog_table {
     int64_t n;           /**< rows */
     char field[72];      /**< the field's name */
@@ -72,12 +75,12 @@ typedef struct shear_catalog_table {
     double sim_g2;       /**< true g2 */
     double beta_px;      /**< the plan's beta */
     double r_psf_px;     /**< the plan's R_PSF */
-    shear_result result; /**< valid, g1, g2, errors, cov12, jackknife, estimator, counts */
-    shear_row *rows;     /**< [n]; members that the table does not hold are NaN */
+    shear_result result; /**< the numbers that the header holds; NaN or 0 for others */
+    shear_row *rows;     /**< [n]; members without a column are NaN */
 } shear_catalog_table;
 /** Read a result catalog; *t is NULL on error. */
 int shear_catalog_read(shear_catalog_table **t, const char *path, shear_error *err);
-/** NULL is accepted. */
+/** Free the table. NULL is accepted. */
 void shear_catalog_table_free(shear_catalog_table *t);
 
 #ifdef __cplusplus

@@ -4,10 +4,10 @@
  * Field files (docs/field-files.md): a streaming reader and a streaming writer.
  *
  * The reader opens the file itself (regular files only), never through CFITSIO's extended file-name
- * syntax, and checks every dimension against the file's size before anything is allocated for it.
- * Memory is bounded by the stamps that are asked for, not by the file: .gz files are unpacked to an
- * unlinked temporary file (TMPDIR), .fz files are read tile by tile. A handle is used by one thread
- * at a time; several handles may be used at once.
+ * syntax, and checks every dimension against the file's size before it allocates memory. Memory is
+ * bounded by the stamps that are requested, not by the file: .gz files are unpacked to an unlinked
+ * temporary file (TMPDIR), .fz files are read tile by tile. A handle is used by one thread at a
+ * time; several handles may be used at once.
  */
 #ifndef SHEAR_FIELD_H
 #define SHEAR_FIELD_H
@@ -25,7 +25,7 @@
 extern "C" {
 #endif
 
-/** An open field. */
+/** An open field file. */
 typedef struct shear_field shear_field;
 
 /** How stamps lie in an image HDU. */
@@ -34,11 +34,11 @@ enum shear_layout {
     SHEAR_LAYOUT_MOSAIC    /**< side by side in one image */
 };
 
-/** Which PSF a stamp has. */
+/** Which PSF image belongs to a stamp. */
 enum shear_psf_layout {
     SHEAR_PSF_ONE = 0,   /**< one image for all */
-    SHEAR_PSF_PER_STAMP, /**< image i for stamp i */
-    SHEAR_PSF_BY_ID      /**< the image that column PSF_ID names */
+    SHEAR_PSF_PER_STAMP, /**< image i belongs to stamp i */
+    SHEAR_PSF_BY_ID      /**< column PSF_ID has the number of the image */
 };
 
 /** Columns of the CATALOG table that a file has. */
@@ -50,16 +50,16 @@ enum shear_column {
     SHEAR_COL_DEC = 1u << 4,    /**< declination, degrees */
     SHEAR_COL_WEIGHT = 1u << 5, /**< weight */
     SHEAR_COL_PSF_ID = 1u << 6, /**< number of its PSF image, from 0 */
-    SHEAR_COL_R_GAL = 1u << 7,  /**< radius R_G of the filter's rule, pixels */
+    SHEAR_COL_R_GAL = 1u << 7,  /**< radius R_G for the filter, pixels */
     SHEAR_COL_FLAGS = 1u << 8   /**< not 0: the stamp is left out */
 };
 
-/** What a field consists of. */
+/** The properties of an open field. */
 typedef struct shear_field_info {
-    char name[72];   /**< FIELD, or the file's base name without .fits, .gz, .fz; "" if there
-                        is no FIELD and a field may not be called like the file */
+    char name[72];   /**< FIELD, or the file's base name without .fits, .gz, .fz; "" if there is no
+                        FIELD and the file's name is not a valid field name */
     double pixscale; /**< arcsec per pixel; NaN = not given */
-    bool has_truth;  /**< SIM_G1 and SIM_G2 are both there */
+    bool has_truth;  /**< SIM_G1 and SIM_G2 are both given */
     double sim_g1;   /**< true g1 of a simulated field */
     double sim_g2;   /**< true g2 */
     shear_geometry geometry;          /**< sides of stamps and PSF */
@@ -67,23 +67,24 @@ typedef struct shear_field_info {
     int64_t n_psf;                    /**< PSF images */
     int noise_planes;                 /**< noise stamps per galaxy */
     enum shear_layout layout;         /**< of GALAXY */
-    enum shear_psf_layout psf_layout; /**< which PSF a stamp has */
-    unsigned columns;                 /**< or of enum shear_column */
-    bool id_unsigned;                 /**< column ID is unsigned, of 64 bits: ids are its bits */
+    enum shear_psf_layout psf_layout; /**< which PSF image belongs to a stamp */
+    unsigned columns;                 /**< bits of enum shear_column */
+    bool id_unsigned;                 /**< column ID is unsigned, of 64 bits: ids hold the bits */
     int bitpix;                       /**< of GALAXY as stored: 8, 16, 32, 64, -32, -64 */
     bool compressed;                  /**< GALAXY is tile-compressed */
-    bool gzipped;               /**< the whole file is, or any file if the parts are in several */
-    int64_t file_bytes;         /**< as on disk, of all files */
-    bool separate;              /**< the parts are not those of one field file */
-    int64_t hdu[SHEAR_N_PARTS]; /**< of each part (enum shear_part), from 0; -1: there is none */
+    bool gzipped;       /**< the whole file is; if the parts are in several files, any of them */
+    int64_t file_bytes; /**< bytes on disk, of all files */
+    bool separate;      /**< the parts are not those of one field file */
+    int64_t
+        hdu[SHEAR_N_PARTS]; /**< of each part (enum shear_part), from 0; -1: the part is absent */
 } shear_field_info;
 
 /** Open and check a field file. SHEAR_E_IO (cannot open, not a regular file, no space for a
- * temporary file); SHEAR_E_FORMAT (everything else: the message names file, HDU, and what was
- * expected). *field is NULL on error. */
+ * temporary file); SHEAR_E_FORMAT (everything else: the message names the file, the HDU, and what
+ * was expected). *field is NULL on error. */
 int shear_field_open(shear_field **field, const char *path, shear_error *err);
-/** The same on a descriptor that is open for reading; it is duplicated, and stays the caller's.
- * `name` is for messages and FIELD. */
+/** Open a descriptor that is open for reading. It is duplicated, and remains the caller's. `name`
+ * is for messages and FIELD. */
 int shear_field_open_fd(shear_field **field, int fd, const char *name, shear_error *err);
 /**
  * Open a field from one file or from parts in several. FIELD, PIXSCALE and the truth are those of
@@ -99,52 +100,53 @@ int shear_field_open_fd(shear_field **field, int fd, const char *name, shear_err
  */
 int shear_field_open_input(shear_field **field, const shear_input *input, const int *fds,
                            shear_error *err);
-/** Close and free. NULL is accepted. */
+/** Close the field and free it. NULL is accepted. */
 void shear_field_close(shear_field *field);
-/** What the field consists of; valid while it is open. */
+/** Return the properties of the field; valid while it is open. */
 const shear_field_info *shear_field_get_info(const shear_field *field);
 
-/** SHEAR_E_FORMAT, and why, if the field at `path` has no name; for callers that need one. */
+/** Check that the field at `path` has a name, for callers that need one. SHEAR_E_FORMAT, with the
+ * reason, if it has none. */
 int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err);
 
 /** A reusable block of stamps, with memory for `capacity` pairs of one field. */
 typedef struct shear_block {
     shear_stamps stamps; /**< views into the arrays below */
-    int capacity;        /**< pairs that fit */
+    int capacity;        /**< number of pairs that fit */
     double *galaxy;      /**< [capacity][ny][nx] */
     double *noise;       /**< [capacity][noise_planes][ny][nx] */
     double *psf;         /**< [capacity][psf_ny][psf_nx], or NULL with SHEAR_PSF_ONE */
     int32_t *psf_index;  /**< [capacity], or NULL with SHEAR_PSF_ONE */
-    int64_t *psf_id;     /**< [capacity] scratch: which PSF of the file each image is */
-    int64_t *id;         /**< [capacity] column ID, or NULL if the file has none; so all below */
-    double *x;           /**< [capacity] column X */
-    double *y;           /**< [capacity] column Y */
-    double *ra;          /**< [capacity] column RA */
-    double *dec;         /**< [capacity] column DEC */
-    double *weight;      /**< [capacity] column WEIGHT */
-    double *r_gal;       /**< [capacity] column R_GAL */
-    int32_t *mask;       /**< [capacity] column FLAGS */
-    void *memory;        /**< what shear_block_free() frees; NULL if the memory is the caller's */
+    int64_t *psf_id;     /**< [capacity] scratch: the number in the file of each PSF image */
+    int64_t
+        *id;    /**< [capacity] column ID, or NULL if the file does not have it; so for all below */
+    double *x;  /**< [capacity] column X */
+    double *y;  /**< [capacity] column Y */
+    double *ra; /**< [capacity] column RA */
+    double *dec;    /**< [capacity] column DEC */
+    double *weight; /**< [capacity] column WEIGHT */
+    double *r_gal;  /**< [capacity] column R_GAL */
+    int32_t *mask;  /**< [capacity] column FLAGS */
+    void *memory;   /**< what shear_block_free() frees; NULL if the caller owns the memory */
 } shear_block;
-/** Allocate a block; *block is NULL on error. */
+/** Allocate a block for `capacity` pairs; *block is NULL on error. */
 int shear_block_new(shear_block **block, const shear_field_info *info, int capacity,
                     shear_error *err);
 /** Free a block of shear_block_new(). NULL is accepted. */
 void shear_block_free(shear_block *block);
 
-/** The bytes that a block takes in the caller's own memory: shear_block_place(). */
+/** Return the bytes that a block needs in the caller's own memory: shear_block_place(). */
 size_t shear_block_bytes(const shear_field_info *info, int capacity);
 /** Make a block in the caller's memory (shared between processes, say). `memory` is aligned to 64
- * bytes, holds shear_block_bytes(info, capacity) bytes and outlives the block. Nothing is
- * allocated, nothing needs to be freed. */
+ * bytes, has shear_block_bytes(info, capacity) bytes and outlives the block. Nothing is allocated,
+ * and nothing needs to be freed. */
 void shear_block_place(shear_block *block, const shear_field_info *info, int capacity,
                        void *memory);
-/** The bytes of one PSF image, rounded up to a multiple of 64. */
+/** Return the bytes of one PSF image, rounded up to a multiple of 64. */
 size_t shear_psf_bytes(const shear_field_info *info);
 
 /** Read pairs [first, first+count) into `block`; count <= capacity. Pixels that are not finite
- * (NaN, infinities, BLANK) arrive as they are, BLANK as NaN. SHEAR_E_FORMAT if the data end early.
- */
+ * (NaN, infinities) are kept, BLANK becomes NaN. SHEAR_E_FORMAT if the data end early. */
 int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
                      shear_error *err);
 
@@ -155,46 +157,46 @@ int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_e
  * SHEAR_UNPACK_LIMIT says otherwise. */
 #define SHEAR_UNPACK_LIMIT (INT64_C(64) << 30)
 /** Have gzipped files unpacked into these n files, at most 8: empty, open for writing, one for each
- * gzipped file. For a process that may not open a temporary file itself in $TMPDIR or /tmp. Call it
- * once, before any field is opened; the descriptors are the library's from then on. */
+ * gzipped file. For a process that may not create a temporary file in $TMPDIR or /tmp. Call it
+ * once, before any field is opened; the library owns the descriptors from then on. */
 void shear_field_use_scratch(const int *fds, int n);
 
-/** Sizes of checksums. */
+/** Sizes of checksum texts. */
 enum {
-    SHEAR_CHECKSUM_SIZE = 33 /**< the text of a checksum with its NUL */
+    SHEAR_CHECKSUM_SIZE = 33 /**< bytes of a checksum's text, including its NUL */
 };
-/** The content hash of a file (XXH3, 128 bits, lower-case hexadecimal). */
+/** Compute the content hash of a file (XXH3, 128 bits, lower-case hexadecimal). */
 int shear_file_checksum(const char *path, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
-/** The same of an open file; `name` is for messages. */
+/** Compute the content hash of an open file; `name` is for messages. */
 int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
-/** By what an input is recognized: of a field file, its content hash; of parts, a hash of the
- * hashes of their files and of the HDUs chosen (`info`: of the open field), so that it does not
- * matter how they were named. Parts that are those of one field file have that file's hash. `fds`
- * is as in shear_field_open_input(). */
+/** Compute the checksum that identifies an input. For a field file it is its content hash; for
+ * parts, a hash of the hashes of their files and of the HDUs chosen (`info`: of the open field), so
+ * that it does not depend on how they were named. Parts that are those of one field file have that
+ * file's hash. `fds` is as in shear_field_open_input(). */
 int shear_input_checksum(const shear_input *input, const int *fds, const shear_field_info *info,
                          char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
 
-/** A shear_input_checksum() that is made in steps, for a caller with other things to do between. */
+/** A shear_input_checksum() in steps, for a caller with other work to do in between. */
 typedef struct shear_hashing shear_hashing;
-/** Begin. `input` and `fds` are borrowed and must live as long. *h is NULL on error. */
+/** Begin a checksum. `input` and `fds` are borrowed and must live as long. *h is NULL on error. */
 int shear_hashing_new(shear_hashing **h, const shear_input *input, const int *fds,
                       const shear_field_info *info, shear_error *err);
-/** NULL is accepted. */
+/** Free the checksum. NULL is accepted. */
 void shear_hashing_free(shear_hashing *h);
-/** Read about `bytes` more at most; *done: that was all. SHEAR_E_IO for a file that grows while it
- * is read. */
+/** Read at most about `bytes` more; *done is set at the end. SHEAR_E_IO for a file that grows while
+ * it is read. */
 int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error *err);
-/** The bytes read so far. */
+/** Return the bytes read so far. */
 int64_t shear_hashing_bytes(const shear_hashing *h);
-/** The checksum, once all is done. */
+/** Write the checksum into `out`, after the last step. */
 void shear_hashing_text(const shear_hashing *h, char out[SHEAR_CHECKSUM_SIZE]);
-/** The content hash of n bytes in memory. */
+/** Compute the content hash of n bytes in memory. */
 void shear_bytes_checksum(const void *bytes, size_t n, char out[SHEAR_CHECKSUM_SIZE]);
 
 /** A field file that is being written. */
 typedef struct shear_field_writer shear_field_writer;
 
-/** What a field file to be written is like. */
+/** The specification of a field file to be written. */
 typedef struct shear_field_spec {
     const char *name;           /**< FIELD, or NULL */
     double pixscale;            /**< arcsec per pixel; NaN = leave out */
@@ -206,11 +208,11 @@ typedef struct shear_field_spec {
     int64_t n_psf;              /**< 1, n_stamps, or fewer with SHEAR_COL_PSF_ID */
     int noise_planes;           /**< noise stamps per galaxy; 0 = 1 */
     enum shear_layout layout;   /**< of GALAXY and NOISE */
-    int mosaic_columns;         /**< stamps in a row of a mosaic; 0 = about square */
-    unsigned columns;           /**< of CATALOG: or of enum shear_column; 0 = no table */
+    int mosaic_columns;         /**< stamps per row of a mosaic; 0 = about square */
+    unsigned columns;           /**< of CATALOG: bits of enum shear_column; 0 = no table */
     int bitpix;                 /**< of the stamps and the PSF: -32 or -64 */
     bool overwrite;             /**< replace an existing file */
-    const char *const *history; /**< lines for HISTORY, NULL-terminated, or NULL */
+    const char *const *history; /**< lines for HISTORY, ended by NULL, or NULL */
 } shear_field_spec;
 
 /** Rows of the CATALOG table: arrays of [count], NULL if the column is not in the spec. */
@@ -226,21 +228,22 @@ typedef struct shear_catalog_columns {
     const int32_t *flags;  /**< column FLAGS */
 } shear_catalog_columns;
 
-/** Begin the field file `path`. It appears under its name only by shear_field_finish() (temporary
- * file, fsync, rename). A writer is used by one thread at a time. SHEAR_E_EXISTS if the file exists
- * and spec->overwrite is false. *w is NULL on error. */
+/** Create the field file `path`. It appears under its name only after shear_field_finish()
+ * (temporary file, fsync, rename). A writer is used by one thread at a time. SHEAR_E_EXISTS if the
+ * file exists and spec->overwrite is false. *w is NULL on error. */
 int shear_field_create(shear_field_writer **w, const char *path, const shear_field_spec *spec,
                        shear_error *err);
 /** Write pairs [first, first+count): galaxy[count][ny][nx], noise[count][noise_planes][ny][nx] and
- * the rows of the table (NULL without one). Any order, any chunking. */
+ * the rows of the table (NULL without one). Pairs may be written in any order and in chunks of any
+ * size. */
 int shear_field_write(shear_field_writer *w, int64_t first, int count, const double *galaxy,
                       const double *noise, const shear_catalog_columns *columns, shear_error *err);
 /** Write PSF image number `index`, from 0: psf[psf_ny][psf_nx]. */
 int shear_field_write_psf(shear_field_writer *w, int64_t index, const double *psf,
                           shear_error *err);
-/** Put the file in place. Frees w, whatever it returns. */
+/** Put the file in place. Frees w, also on error. */
 int shear_field_finish(shear_field_writer *w, shear_error *err);
-/** Give the file up: remove its temporary file and free w. NULL is accepted. */
+/** Abandon the file: remove its temporary file and free w. NULL is accepted. */
 void shear_field_abort(shear_field_writer *w);
 
 #ifdef __cplusplus

@@ -8,9 +8,9 @@
  * transfer T(k). It is immutable once made: any number of threads may use it at the same time. A
  * workspace holds the scratch memory of one thread. shear_measure() allocates nothing.
  *
- * No timing enters a plan, so that the same machine returns the same bits in every process. Sides
- * that are products of 2, 3 and 5 are fastest. Lengths are in galaxy pixels, wave numbers k in
- * radians per galaxy pixel.
+ * A plan does not depend on timing, so that the same machine returns the same bits in every
+ * process. Sides that are products of 2, 3 and 5 are fastest. Lengths are in galaxy pixels, wave
+ * numbers k in radians per galaxy pixel.
  */
 #ifndef SHEAR_PLAN_H
 #define SHEAR_PLAN_H
@@ -39,18 +39,18 @@ typedef struct shear_geometry {
     int psf_oversample; /**< PSF samples per galaxy pixel (keyword OVERSAMP), at least 1 */
 } shear_geometry;
 
-/** The wave numbers at which galaxies have no power, only noise has: R_PSF decides how far they are
- * from 0. */
+/** The wave numbers at which galaxies have no power, so that only noise is left. They depend on
+ * R_PSF. */
 enum shear_noise_band {
-    SHEAR_NOISE_BAND_NONE = 0, /**< nowhere: narrow PSF, or interpolated; or noise-level is none */
+    SHEAR_NOISE_BAND_NONE = 0, /**< none: narrow PSF, or interpolated; or noise-level is none */
     SHEAR_NOISE_BAND_HIGH,     /**< |k| >= 3/4 of Nyquist */
     SHEAR_NOISE_BAND_CORNERS   /**< |k| >= Nyquist, the corners of the plane of modes */
 };
 
-/** "none", "high" or "corners"; "unknown" for any other number. */
+/** Return "none", "high" or "corners"; "unknown" for any other number. */
 const char *shear_noise_band_name(enum shear_noise_band band);
 
-/** What a plan decided. */
+/** The decisions of a plan. */
 typedef struct shear_plan_info {
     shear_geometry geometry;                /**< as requested */
     enum shear_interpolation interpolation; /**< never AUTO */
@@ -65,32 +65,31 @@ typedef struct shear_plan_info {
     double core_px;           /**< NaN without a filter, and if it differs from stamp to stamp */
     bool core_found;          /**< the core is the smallest that leaves the file's galaxies whole */
     double width_px;          /**< NaN without a filter */
-    enum shear_noise_band noise_band; /**< where the noise level is read off */
-    double
-        k_cut; /**< modes at |k| >= k_cut are left out; of a plan without PSF, the grid's limit */
-    shear_psf_summary psf; /**< what the PSF is like; of several: shear_plan_note_psfs() */
+    enum shear_noise_band noise_band; /**< where the noise level is measured */
+    double k_cut; /**< modes at |k| >= k_cut are left out; for a plan without a PSF, the grid's
+                     limit */
+    shear_psf_summary psf; /**< quality of the PSF; of several: shear_plan_note_psfs() */
 } shear_plan_info;
 
-/** By how much stamps that are too small for beta bias the shear, because a transform takes them
- * for periodic: as a part of the shear or, for stamps that are not square, in addition to it. Of a
- * round Gaussian galaxy 1.5 times as large as the PSF, of a shear of 0.02, without noise and filter
- * (docs/method.md section 3.2). Estimates above 0.1 are orders of magnitude only; a larger galaxy
- * has more. */
+/** Return the bias of the shear from stamps that are too small for beta, which arises because a
+ * transform treats them as periodic: as a fraction of the shear or, for stamps that are not square,
+ * as an additive bias if that is larger. It is computed for a round Gaussian galaxy 1.5 times as
+ * large as the PSF and a shear of 0.02, without noise and filter (docs/method.md section 3.2).
+ * Estimates above 0.1 are orders of magnitude only; for a larger galaxy the bias is larger. */
 double shear_plan_periodic_bias(const shear_plan_info *plan);
 
-/** What a plan is made from. Equal requests give equal plans. All pointers are borrowed while a
- * call runs. A member that is zero is not given. */
+/** What a plan is made from. Equal requests give equal plans. All pointers are borrowed during a
+ * call. A member that is zero is not given. */
 typedef struct shear_plan_request {
     const shear_settings *settings; /**< NULL: the defaults */
     shear_geometry geometry;        /**< must be given */
-    const double *psf; /**< [psf_ny][psf_nx] the field's one PSF; NULL: each stamp brings its
-                          own (shear_stamps.psf) */
-    double r_psf_px;   /**< if psf is NULL: the scale radius for the automatic choices, from
-                          shear_psf_radius(); must be given then */
-    bool has_r_gal;    /**< stamps will come with R_GAL, which decides filter = auto */
-    double
-        core_px; /**< for filter = auto: found from the galaxies by shear_plan_request_sample() */
-    const shear_psf_quality *psfs; /**< [n_psfs] what a sample of the stamps' own PSFs is like */
+    const double *psf; /**< [psf_ny][psf_nx] the field's one PSF; NULL: each stamp has its own
+                          (shear_stamps.psf) */
+    double r_psf_px; /**< the PSFs' scale radius from shear_psf_radius(), for the automatic choices;
+                        must be given if psf is NULL */
+    bool has_r_gal;  /**< stamps will have R_GAL, which decides filter = auto */
+    double core_px;  /**< for filter = auto: the core found by shear_plan_request_sample() */
+    const shear_psf_quality *psfs; /**< [n_psfs] quality of a sample of the stamps' own PSFs */
     int n_psfs;                    /**< usable PSFs of that sample */
     int n_unusable;                /**< unusable PSFs of that sample */
 } shear_plan_request;
@@ -106,75 +105,76 @@ typedef struct shear_plan_request {
  * SHEAR_E_FORMAT for impossible shapes; SHEAR_E_NOMEM
  */
 int shear_plan_new(shear_plan **plan, const shear_plan_request *request, shear_error *err);
-/** For a plan whose stamps bring their own PSFs: add to shear_plan_info.psf what a sample of these
- * is like, n usable ones and some that are not. Only before the plan is shared with other threads.
- */
+/** Add a sample of the stamps' own PSFs to shear_plan_info.psf: n usable ones, and the number of
+ * unusable ones. Call it only before the plan is shared with other threads. */
 void shear_plan_note_psfs(shear_plan *plan, const shear_psf_quality *each, int n, int unusable);
-/** Free a plan that nobody uses any more. NULL is accepted. */
+/** Free a plan that is no longer in use. NULL is accepted. */
 void shear_plan_free(shear_plan *plan);
 
-/** Would the plan use request->core_px (filter = auto, no explicit core, no R_GAL)? */
+/** Return whether the plan would use request->core_px (filter = auto, no explicit core, no
+ * R_GAL). */
 bool shear_plan_wants_core(const shear_plan_request *request);
 
 /** The radii of a plan. */
 typedef struct shear_plan_radii {
     double r_psf_px; /**< PSF scale radius */
     double beta_px;  /**< target scale radius */
-    double width_px; /**< width of the filter's fall */
+    double width_px; /**< width of the filter's Gaussian edge */
 } shear_plan_radii;
-/** The radii that the plan of this request would have. Errors as of shear_plan_new(). */
+/** Compute the radii that the plan of this request would have. Errors as of shear_plan_new(). */
 int shear_plan_find_radii(shear_plan_radii *radii, const shear_plan_request *request,
                           shear_error *err);
 
-/** What the plan decided; valid as long as the plan. */
+/** Return the plan's decisions; valid as long as the plan. */
 const shear_plan_info *shear_plan_get_info(const shear_plan *plan);
-/** The settings of the request; valid as long as the plan. */
+/** Return the settings of the request; valid as long as the plan. */
 const shear_settings *shear_plan_get_settings(const shear_plan *plan);
 
-/** Make the scratch memory of one thread, bound to `plan`, which must outlive it. *ws is NULL on
+/** Allocate the scratch memory of one thread for `plan`, which must outlive it. *ws is NULL on
  * error. */
 int shear_workspace_new(shear_workspace **ws, const shear_plan *plan, shear_error *err);
-/** NULL is accepted. */
+/** Free the workspace. NULL is accepted. */
 void shear_workspace_free(shear_workspace *ws);
 
-/** The bytes that a plan takes, without the overhead of allocations and without small things. */
+/** Return the bytes of a plan, without the overhead of allocations and small items. */
 int64_t shear_plan_bytes(const shear_plan *plan);
-/** The bytes that a workspace of this plan takes, likewise. */
+/** Return the bytes of a workspace of this plan, likewise. */
 int64_t shear_workspace_bytes(const shear_plan *plan);
 /** The memory that a plan needs, in bytes. */
 typedef struct shear_memory {
-    int64_t plan;      /**< for good */
-    int64_t planning;  /**< in addition, while it is made */
-    int64_t workspace; /**< for each workspace, at most: how much is known once the plan is made */
+    int64_t plan;      /**< of the plan itself */
+    int64_t planning;  /**< in addition, while the plan is made */
+    int64_t workspace; /**< of each workspace, at most; shear_workspace_bytes() is exact once the
+                          plan is made */
 } shear_memory;
-/** The memory of a plan that is not made yet, found without taking much. Errors as of
- * shear_plan_new(); *memory is 0 then. */
+/** Compute the memory of a plan without making it. Errors as of shear_plan_new(); *memory is 0
+ * then. */
 int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, shear_error *err);
 
-/** Measure pair number i of `stamps` into *row. The shape must be the plan's. SHEAR_OK also for a
+/** Measure pair i of `stamps` into *row. The shape must be the plan's. Returns SHEAR_OK also for a
  * flagged row; SHEAR_E_NEGATIVE if a log method meets negative pixels (names the stamp);
  * SHEAR_E_INTERNAL for a shape that is not the plan's. */
 int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err);
 
-/** Examine pair number i without measuring it: *row has the flags that need no transform (all but
- * SHEAR_FLAG_OVERFLOW, and SHEAR_FLAG_PSF_UNUSABLE only if the stamp names no PSF) and the
- * artefact's place; its numbers are NaN. SHEAR_E_INTERNAL as above. */
+/** Examine pair i without measuring it: *row gets the flags that need no transform (all but
+ * SHEAR_FLAG_OVERFLOW, and SHEAR_FLAG_PSF_UNUSABLE only if the stamp has no PSF) and the artefact's
+ * place; its numbers are NaN. SHEAR_E_INTERNAL as above. */
 int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err);
 
 /** Measure pairs [from, to) of `stamps` into rows[0 .. to-from), on the calling thread. A PSF that
- * serves neighbouring stamps (equal psf_index) is transformed once. Stops at the first error. */
+ * serves consecutive stamps (equal psf_index) is transformed once. Stops at the first error. */
 int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                         int from, int to, shear_row *rows, shear_error *err);
 
 /**
- * Measure all pairs of `stamps` on several OpenMP threads. The rows do not depend on their number,
- * to the last bit.
+ * Measure all pairs of `stamps` on several OpenMP threads. The rows do not depend on the number of
+ * threads, to the last bit.
  *
  * @param plan     the plan
  * @param stamps   the pairs
- * @param threads  how many threads; 0: all cores
+ * @param threads  number of threads; 0: all cores
  * @param ws       array of `threads` workspaces of this plan, or NULL: they are made and freed
  * inside
  * @param rows     [stamps->count] the results, in stamp order
@@ -184,14 +184,15 @@ int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear
 int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int threads,
                         shear_workspace *const *ws, shear_row *rows, shear_error *err);
 
-/** The scale radius R_PSF = sqrt(A/pi) in galaxy pixels of psf[ny][nx], with `oversample` samples
- * per galaxy pixel. A is the area in which the PSF exceeds exp(-1/2) of its peak: exact for a
- * Gaussian. Between samples the logarithm is interpolated (log-bicubic), so that an under-sampled
- * PSF has the right radius too. SHEAR_E_PSF: not finite, no positive peak, sum not positive. */
+/** Compute the scale radius R_PSF = sqrt(A/pi) in galaxy pixels of psf[ny][nx], with `oversample`
+ * samples per galaxy pixel. A is the area in which the PSF exceeds exp(-1/2) of its peak, which is
+ * exact for a Gaussian. Between samples the logarithm is interpolated (log-bicubic), so that the
+ * radius of an under-sampled PSF is right, too. SHEAR_E_PSF: not finite, no positive peak, sum not
+ * positive. */
 int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
                      shear_error *err);
 
-/** The steps of one measurement as images, for pictures and teaching. The modes are centred: k = 0
+/** The steps of one measurement as images, for figures and teaching. The modes are centred: k = 0
  * is at [spec_ny/2][spec_nx/2], and both sides are odd. */
 typedef struct shear_inspection {
     int fine_nx;             /**< columns of the fine images */
@@ -205,8 +206,8 @@ typedef struct shear_inspection {
     double *target_power;    /**< [spec_ny][spec_nx] the same after it: P(k) */
     double *transfer;        /**< [spec_ny][spec_nx] T(k) */
 } shear_inspection;
-/** Fill *out for pair number i, to be freed by shear_inspection_deinit(). Errors as of
- * shear_measure(). */
+/** Fill *out for pair i; free it with shear_inspection_deinit(). Errors as of shear_measure(), and
+ * SHEAR_E_NOMEM. */
 int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_inspection *out, shear_error *err);
 /** Free the images. An inspection that is all zero is accepted. */

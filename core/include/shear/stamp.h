@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /**
  * @file shear/stamp.h
- * What goes into a measurement (stamp pairs in memory) and what comes out (one row per stamp).
+ * The input of a measurement (stamp pairs in memory) and its output (one row per stamp).
  *
  * Axes: x is the FITS column axis (NAXIS1, its index varies fastest), y the row axis. A stamp of nx
  * x ny pixels is an array [ny][nx] of double. Its centre is at ((nx-1)/2, (ny-1)/2).
@@ -23,7 +23,7 @@ enum {
     SHEAR_MAX_NOISE_PLANES = 64 /**< the most noise stamps per galaxy */
 };
 
-/** Why a stamp is left out of the field's sums. A row may carry several. */
+/** Why a stamp is left out of the field's sums. A row may have several flags. */
 enum shear_flag {
     SHEAR_FLAG_GALAXY_NOT_FINITE = 1u
                                    << 0, /**< a NaN, infinite or BLANK pixel in the galaxy stamp */
@@ -31,29 +31,29 @@ enum shear_flag {
     SHEAR_FLAG_MASKED = 1u << 2,           /**< CATALOG.FLAGS is not zero */
     SHEAR_FLAG_EMPTY = 1u << 3,            /**< all pixels of the galaxy stamp are equal */
     SHEAR_FLAG_PSF_UNUSABLE =
-        1u << 4,                     /**< its PSF: not finite, no flux, too wide for beta, bad id */
+        1u << 4, /**< its PSF is not finite, has no flux, is too wide for beta, or is missing */
     SHEAR_FLAG_BAD_WEIGHT = 1u << 5, /**< CATALOG.WEIGHT is not a weight: shear_weight_is_good() */
     SHEAR_FLAG_BAD_R_GAL =
         1u << 6, /**< the filter needs CATALOG.R_GAL; it is not positive and finite */
-    SHEAR_FLAG_OVERFLOW = 1u << 7, /**< finite pixels, but moments or sums of them that are not */
-    SHEAR_FLAG_ARTEFACT = 1u << 8, /**< a pixel of the galaxy stamp that no sky has made: sharper
-                                      than the PSF, below the sky, or one of a saturated flat top
-                                      (docs/method.md section 8) */
+    SHEAR_FLAG_OVERFLOW = 1u << 7, /**< the pixels are finite, but their moments or sums are not */
+    SHEAR_FLAG_ARTEFACT =
+        1u << 8, /**< a pixel of the galaxy stamp that cannot be sky light: sharper than the PSF,
+                    below the sky, or in a saturated flat top (docs/method.md section 8) */
     SHEAR_FLAG_NOISE_ARTEFACT = 1u << 9 /**< the same in the noise stamp */
 };
 /** Numbers of flags. */
 enum {
-    SHEAR_N_FLAGS = 10 /**< how many flags there are */
+    SHEAR_N_FLAGS = 10 /**< number of flags */
 };
 
-/** The stable name of flag bit number `bit` (0 .. SHEAR_N_FLAGS-1): "galaxy_not_finite", ... NULL
+/** Return the stable name of flag `bit` (0 .. SHEAR_N_FLAGS-1), such as "galaxy_not_finite"; NULL
  * for any other number. */
 const char *shear_flag_name(int bit);
-/** One line of explanation for people; NULL for any other number. */
+/** Return a line of explanation for flag `bit`; NULL for any other number. */
 const char *shear_flag_help(int bit);
 
-/** A weight is 0, or finite and at least 1e-100: the errors need squares of weights, which would be
- * lost below. Only the ratios of weights count. */
+/** Return whether a weight is 0, or finite and at least 1e-100: the errors need squares of weights,
+ * which would underflow below that. Only the ratios of weights matter. */
 bool shear_weight_is_good(double weight);
 
 /** Consecutive stamp pairs of one field. The arrays belong to the caller and are only read. */
@@ -67,48 +67,48 @@ typedef struct shear_stamps {
     int noise_planes;         /**< noise stamps per galaxy; 0 counts as 1 */
     int n_psf;                /**< PSF images in `psf`; 0 if the plan holds the field's one PSF */
     const double *psf;        /**< [n_psf][psf_ny][psf_nx], or NULL */
-    const int32_t *psf_index; /**< [count] index into psf, -1: the field names no such PSF; or NULL:
-                                 image i for pair i */
+    const int32_t *psf_index; /**< [count] index into psf, -1: there is no such PSF; or NULL: image
+                                 i for pair i */
     const double *weight;     /**< [count], or NULL: all 1 */
-    const double *r_gal;      /**< [count] R_G of the filter, pixels, or NULL: unknown */
+    const double *r_gal;      /**< [count] R_G for the filter, pixels, or NULL: unknown */
     const int32_t *mask;      /**< [count] not 0: the stamp is left out; or NULL: all 0 */
 } shear_stamps;
 
 /** The result for one pair. Moments are noise-corrected (galaxy minus the mean of its noise stamps)
- * unless the correction is off, and physical: M20 is the integral of (df/dx)^2 over the plane, in
- * pixel units, whatever the stamp's size or the interpolation; of the sums over modes in
- * docs/method.md section 4 they are 1/(nx ny s^4). P is the power after the transfer. A flagged row
- * has NaN in every number that could not be measured. */
+ * unless the correction is off, and in physical units: M20 is the integral of (df/dx)^2 over the
+ * plane, in pixel units, independent of the stamp's size and the interpolation; that is 1/(nx ny
+ * s^4) of the sums over modes in docs/method.md section 4. P is the power after the transfer. A
+ * flagged row has NaN in every number that could not be measured. */
 typedef struct shear_row {
-    double n1;          /**< -(M20 - M02) / 2 */
-    double n2;          /**< -M11 */
-    double d;           /**< M20 + M02 - (beta^2/2) M4 */
-    double u;           /**< sum (kx^4 - 6 kx^2 ky^2 + ky^4) P */
-    double v;           /**< sum (kx^3 ky - kx ky^3) P */
-    double m20;         /**< sum kx^2 P */
-    double m02;         /**< sum ky^2 P */
-    double m11;         /**< sum kx ky P */
-    double m4;          /**< sum k^4 P */
-    double cross_n1;    /**< with estimator = pdf-sym-cross, what is added to n1 for the symmetry
-                           (docs/method.md section 6); else 0 */
-    double cross_n2;    /**< the same for n2 */
-    double cross_d;     /**< the same for d */
-    double cross_u;     /**< the same for u */
-    double cross_v;     /**< the same for v */
-    double noise_n1;    /**< n1 of the noise stamp alone: what a noise level other than 1 subtracts
-                           more    of (docs/method.md section 5); 0 without the correction */
-    double noise_n2;    /**< the same for n2 */
-    double noise_d;     /**< the same for d */
-    double noise_u;     /**< the same, as the symmetry needs it: -(beta^2/2) u */
-    double noise_v;     /**< the same, as the symmetry needs it: -2 beta^2 v */
-    double high_galaxy; /**< mean power of the galaxy stamp in shear_plan_info.noise_band, as a
-                           variance per pixel of the filtered stamp; 0 without a band */
-    double high_noise;  /**< the same of the noise stamp */
-    double corner_galaxy;    /**< what the modes beyond Nyquist add to high_galaxy */
-    double corner_noise;     /**< what the modes beyond Nyquist add to high_noise */
+    double n1;       /**< -(M20 - M02) / 2 */
+    double n2;       /**< -M11 */
+    double d;        /**< M20 + M02 - (beta^2/2) M4 */
+    double u;        /**< sum (kx^4 - 6 kx^2 ky^2 + ky^4) P */
+    double v;        /**< sum (kx^3 ky - kx ky^3) P */
+    double m20;      /**< sum kx^2 P */
+    double m02;      /**< sum ky^2 P */
+    double m11;      /**< sum kx ky P */
+    double m4;       /**< sum k^4 P */
+    double cross_n1; /**< with estimator = pdf-sym-cross, the amount added to n1 for the symmetry
+                        (docs/method.md section 6); else 0 */
+    double cross_n2; /**< the same for n2 */
+    double cross_d;  /**< the same for d */
+    double cross_u;  /**< the same for u */
+    double cross_v;  /**< the same for v */
+    double noise_n1; /**< n1 of the noise stamp alone, of which a noise level other than 1 subtracts
+                        more (docs/method.md section 5); 0 without the correction */
+    double noise_n2; /**< the same for n2 */
+    double noise_d;  /**< the same for d */
+    double noise_u;  /**< the same, as the symmetry needs it: -(beta^2/2) u */
+    double noise_v;  /**< the same, as the symmetry needs it: -2 beta^2 v */
+    double high_galaxy;      /**< mean power of the galaxy stamp in shear_plan_info.noise_band, as a
+                                variance per pixel of the filtered stamp; 0 without a band */
+    double high_noise;       /**< the same of the noise stamp */
+    double corner_galaxy;    /**< contribution of the modes beyond Nyquist to high_galaxy */
+    double corner_noise;     /**< contribution of the modes beyond Nyquist to high_noise */
     double flux;             /**< sum(galaxy) - sum(noise) */
     double snr;              /**< flux / (rms(noise stamp) * sqrt(2 nx ny)); NaN without noise */
-    double flux_removed;     /**< the part of flux that the filter takes away */
+    double flux_removed;     /**< the part of flux that the filter removes */
     double border_mean;      /**< mean of the one-pixel border, galaxy minus noise */
     double border_var;       /**< variance of that border, galaxy minus noise */
     double border_var_noise; /**< variance of the noise stamp's border */
@@ -118,9 +118,9 @@ typedef struct shear_row {
     double border_step2;  /**< sum of the squares of both steps, galaxy minus noise */
     double weight;        /**< its weight; 1 if none was given */
     int64_t stamp;        /**< its number in its field, from 0 */
-    int artefact_x;       /**< column of the worst artefact, from 0; -1: there is none */
-    int artefact_y;       /**< row of the worst artefact, from 0; -1: there is none */
-    uint32_t flags;       /**< or of enum shear_flag; 0 = in the sums */
+    int artefact_x;       /**< column of the worst artefact, from 0; -1: none */
+    int artefact_y;       /**< row of the worst artefact, from 0; -1: none */
+    uint32_t flags;       /**< bits of enum shear_flag; 0 = in the sums */
 } shear_row;
 
 #ifdef __cplusplus

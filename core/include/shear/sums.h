@@ -32,7 +32,7 @@ enum {
     SHEAR_BLOCK = 16 /**< stamps in a block; a multiple of 4, so that rotated fours stay together */
 };
 
-/** What a shear is made of, per stamp: the vector x of which the sums of w x and of the products
+/** The components of a shear, per stamp: the vector x, of which the sums of w x and of the products
  * w^2 x x' are kept. */
 enum shear_component {
     SHEAR_C_N1,          /**< N1 of galaxy minus noise */
@@ -43,21 +43,21 @@ enum shear_component {
     SHEAR_C_NOISE_D,     /**< D of the noise stamps */
     SHEAR_C_HIGH_GALAXY, /**< power at high k of the galaxy stamp */
     SHEAR_C_HIGH_NOISE,  /**< power at high k of the noise stamps */
-    SHEAR_N_COMPONENTS   /**< how many there are */
+    SHEAR_N_COMPONENTS   /**< number of components */
 };
 /** Numbers of products. */
 enum {
     SHEAR_N_PRODUCTS = SHEAR_N_COMPONENTS * (SHEAR_N_COMPONENTS + 1) / 2 /**< of two components */
 };
 
-/** The sums that make a shear, g_i = n_i / d: galaxy minus noise, the noise at its level. */
+/** The sums that give a shear, g_i = n_i / d: galaxy minus noise, the noise at its level. */
 typedef struct shear_ratio {
     double n1;    /**< sum w N1 */
     double n2;    /**< sum w N2 */
     double d;     /**< sum w D */
     double level; /**< sum w G_high / sum w N_high, or 1 without power at high k */
 } shear_ratio;
-/** The ratio of the sums x = sum w x_i, of a field or a part of it. */
+/** Compute the ratio from the sums x = sum w x_i, of a field or a part of it. */
 shear_ratio shear_ratio_of(const double x[SHEAR_N_COMPONENTS]);
 
 /** The terms that are summed over the unflagged stamps of a block. */
@@ -85,61 +85,61 @@ enum shear_term {
     SHEAR_S_BORDER_STEP_Y2,                             /**< border_step_y^2 */
     SHEAR_S_BORDER_STEP2,                               /**< border_step2 */
     SHEAR_S_BORDER_STEP4,                               /**< border_step2^2 */
-    SHEAR_N_TERMS                                       /**< how many there are */
+    SHEAR_N_TERMS                                       /**< number of terms */
 };
 
-/** The term of w^2 x_i x_j. */
+/** Return the term of w^2 x_i x_j. */
 static inline int shear_term_product(int i, int j) {
     const int low = i < j ? i : j;
     const int high = i < j ? j : i;
     return (int)SHEAR_S_PRODUCT + high * (high + 1) / 2 + low;
 }
 
-/** The stamp that counts most: the largest w |N1|, w |N2| or w |D| of the unflagged ones. */
+/** The stamp that counts most: the largest w |N1|, w |N2| or w |D| of the unflagged stamps. */
 typedef struct shear_influence {
-    double size;   /**< 0 if there is none */
+    double size;   /**< 0 if there is no such stamp; NaN if unknown */
     int64_t stamp; /**< its number in its file */
 } shear_influence;
 
-/** The sums of one block: plain data, may be copied, stored and sent between processes of one
+/** The sums of one block. Plain data: it may be copied, stored and sent between processes of one
  * machine. */
 typedef struct shear_block_sums {
     int64_t n_stamps;               /**< rows added */
-    int64_t n_used;                 /**< of them unflagged */
+    int64_t n_used;                 /**< rows without a flag */
     int64_t flagged[SHEAR_N_FLAGS]; /**< rows that carry each flag */
     double hi[SHEAR_N_TERMS];       /**< by enum shear_term: the running sums ... */
     double lo[SHEAR_N_TERMS];       /**< ... and their compensations: a sum is hi + lo */
     shear_influence top;            /**< the stamp that counts most */
 } shear_block_sums;
 
-/** Make the sums 0. */
+/** Set the sums to 0. */
 void shear_block_sums_init(shear_block_sums *b);
-/** Add one row; call in stamp order. */
+/** Add one row. Rows must be added in stamp order. */
 void shear_block_sums_add(shear_block_sums *b, const shear_row *row);
 
 /** A field's exact sums. Not thread-safe: one owner at a time. */
 typedef struct shear_field_sums shear_field_sums;
-/** Make sums that are 0; *f is NULL on error. */
+/** Allocate sums that are 0; *f is NULL on error. */
 int shear_field_sums_new(shear_field_sums **f, shear_error *err);
-/** NULL is accepted. */
+/** Free the sums. NULL is accepted. */
 void shear_field_sums_free(shear_field_sums *f);
-/** f += b, exact. */
+/** Compute f += b, exactly. */
 void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b);
-/** f += g, exact. */
+/** Compute f += g, exactly. */
 void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g);
-/** f -= g, exact, if g is among what was joined to f: f is then as if g had never been, but for the
- * stamp that counts most. If that was one of g's, it is unknown (size NaN) until
- * shear_field_sums_set_top(). */
+/** Compute f -= g, exactly, if g is among the sums that were joined to f: f is then as if g had
+ * never been joined, except for the stamp that counts most. If that was one of g's, it is unknown
+ * (size NaN) until shear_field_sums_set_top(). */
 void shear_field_sums_subtract(shear_field_sums *f, const shear_field_sums *g);
-/** The stamp that counts most. */
+/** Return the stamp that counts most. */
 shear_influence shear_field_sums_top(const shear_field_sums *f);
-/** Say which stamp counts most. */
+/** Set the stamp that counts most. */
 void shear_field_sums_set_top(shear_field_sums *f, shear_influence top);
-/** The sums as text (ASCII, versioned, 10 to 30 KiB), exact; *text is malloc'd, the caller frees
- * it. */
+/** Format the sums as text (ASCII, versioned, 10 to 30 KiB), exactly. *text is malloc'd, and the
+ * caller frees it. */
 int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error *err);
-/** The same sums back from their text. Sums of version 0.1 are read, too; they have no noise level.
- * SHEAR_E_FORMAT says which part cannot be right. *f is NULL on error. */
+/** Parse sums from their text. Sums of version 0.1 are accepted, too; they have no noise level.
+ * SHEAR_E_FORMAT names the part that cannot be right. *f is NULL on error. */
 int shear_field_sums_parse(shear_field_sums **f, const char *text, shear_error *err);
 
 /** Why a field has no shear. */
@@ -147,14 +147,14 @@ enum shear_no_shear {
     SHEAR_HAS_SHEAR = 0, /**< it has one */
     SHEAR_NO_STAMPS,     /**< fewer than 2 are usable */
     SHEAR_NO_WEIGHT,     /**< all weights are 0 */
-    SHEAR_NO_DIFFERENCE, /**< galaxy and noise stamps are the same, but for rounding */
-    SHEAR_NO_SIGNAL,     /**< sum w D is less than 5 sigma of the noise above 0 */
-    SHEAR_SWAPPED,       /**< the noise stamps have more power than the galaxies', beyond doubt */
-    SHEAR_TOO_NARROW,  /**< the galaxies are narrower than the PSF, beyond doubt: D < 0 < M20 + M02
+    SHEAR_NO_DIFFERENCE, /**< galaxy and noise stamps are the same, except for rounding */
+    SHEAR_NO_SIGNAL,     /**< sum w D is not at least 5 sigma of the noise above 0 */
+    SHEAR_SWAPPED,     /**< the noise stamps have significantly more power than the galaxy stamps */
+    SHEAR_TOO_NARROW,  /**< the galaxies are significantly narrower than the PSF: D < 0 < M20 + M02
                         */
-    SHEAR_NO_SYMMETRY, /**< fewer than 16 stamps for the symmetry, or no shear makes them symmetric
-                        */
-    SHEAR_NOT_FINITE   /**< sums beyond the range of double */
+    SHEAR_NO_SYMMETRY, /**< fewer than 16 stamps for PDF symmetrization, or no shear makes them
+                          symmetric */
+    SHEAR_NOT_FINITE   /**< sums overflow the range of double */
 };
 
 /** A field's result. Without a shear (`why`), `valid` is false and the shear and its errors are
@@ -164,16 +164,17 @@ enum shear_no_shear {
  * stamps, read off at high k. The noise stamps' moments count alpha times: g_i = sum w (N_i + (1 -
  * alpha) noise N_i) / sum w (D + (1 - alpha) noise D). It is 1 if it cannot be known. */
 typedef struct shear_result {
-    bool valid;                     /**< there is a shear */
-    enum shear_no_shear why;        /**< why there is none */
-    enum shear_estimator estimator; /**< by which it was estimated */
+    bool valid;                     /**< the field has a shear */
+    enum shear_no_shear why;        /**< why it has none */
+    enum shear_estimator estimator; /**< the estimator of the shear */
     double g1;                      /**< the shear along the axes; > 0 stretches along x */
     double g2;                      /**< the shear along the diagonals */
-    double g1_err; /**< 1 sigma of g1: delta method, or jackknife if asked for, or the symmetry's */
+    double g1_err; /**< 1 sigma of g1, by the delta method, the jackknife if one was requested, or
+                      the symmetry */
     double g2_err; /**< 1 sigma of g2, likewise */
     double cov12;  /**< covariance of g1 and g2, by the same method */
-    double delta_g1_err; /**< the delta method's 1 sigma of g1, whatever the others are */
-    double delta_g2_err; /**< the delta method's 1 sigma of g2 */
+    double delta_g1_err; /**< 1 sigma of g1 by the delta method, whatever the others are */
+    double delta_g2_err; /**< 1 sigma of g2 by the delta method */
     int jackknife;       /**< groups of the jackknife; 0 = none */
     int64_t n_stamps;    /**< rows */
     int64_t n_used;      /**< rows without a flag */
@@ -181,53 +182,56 @@ typedef struct shear_result {
     int64_t flagged[SHEAR_N_FLAGS]; /**< rows that carry each flag */
     double sum_weight;              /**< sum w */
     double sum_d;                   /**< sum w D, at the noise level */
-    double signal;      /**< sum_d over its scatter from noise alone; INFINITY without noise */
-    double n_eff;       /**< equal stamps that the field counts as: (sum w D)^2 / sum (w D)^2 */
-    double top_size;    /**< shear_influence.size of the stamp that counts most; 0: there is none */
-    double top_share;   /**< its share of |sum w D|; NaN: unknown */
-    int64_t top_stamp;  /**< its number in its file; -1: none */
-    double noise_level; /**< alpha; NaN: cannot be known */
+    double signal;          /**< sum_d over its scatter from noise alone; INFINITY without noise */
+    double n_eff;           /**< effective number of equal stamps: (sum w D)^2 / sum (w D)^2 */
+    double top_size;        /**< shear_influence.size of the stamp that counts most; 0: none */
+    double top_share;       /**< its share of |sum w D|; NaN: unknown */
+    int64_t top_stamp;      /**< its number in its file; -1: none */
+    double noise_level;     /**< alpha; NaN: unknown */
     double noise_level_err; /**< its 1 sigma */
-    double noise_effect;    /**< by which part of it alpha - 1 changes sum w D */
-    double noise_shape;     /**< alpha beyond Nyquist over that below it, minus 1: not 0 if the
-                               spectra of the two noises differ; NaN: unknown */
+    double noise_effect;    /**< relative change of sum w D by alpha - 1 */
+    double noise_shape; /**< alpha beyond Nyquist over that below it, minus 1: not 0 if the spectra
+                           of the two noises differ; NaN: unknown */
     double noise_shape_err; /**< its 1 sigma */
     double high_galaxy; /**< the galaxy stamps' mean power at high k, as a variance per pixel; NaN:
                            not measured */
-    double noise_share; /**< the noise stamps' part of sum w D: sum w noise D / sum w D */
+    double noise_share; /**< the noise stamps' fraction of sum w D: sum w noise D / sum w D */
     double mean_flux;   /**< of the used stamps */
-    double filter_removed;     /**< part of the stacked flux that the filter removes */
+    double filter_removed;     /**< fraction of the stacked flux that the filter removes */
     double filter_removed_err; /**< its 1 sigma */
     double border_excess;      /**< mean border pixel, galaxy minus noise */
     double border_excess_err;  /**< its 1 sigma */
     double border_rough;       /**< mean border variance, galaxy minus noise */
     double border_rough_err;   /**< its 1 sigma */
     double border_noise_var;   /**< mean border variance of the noise stamps */
-    double border_step_x;      /**< mean step across the border in x: of a gradient that all have */
+    double border_step_x;      /**< mean step across the border in x, from a gradient common to all
+                                  stamps */
     double border_step_x_err;  /**< its 1 sigma */
     double border_step_y;      /**< mean step across the border in y */
     double border_step_y_err;  /**< its 1 sigma */
-    double border_step2;       /**< mean square of the step: of any gradient, or of neighbours */
+    double border_step2;       /**< mean square of the step, from any gradient or from neighbouring
+                                  objects */
     double border_step2_err;   /**< its 1 sigma */
 } shear_result;
 
-/** Where the errors come from: "delta", "jackknife" or "symmetry". */
+/** Return the method of the errors: "delta", "jackknife" or "symmetry". */
 const char *shear_error_method(const shear_result *r);
 
-/** The field's result by the ratio of means, with errors by the delta method, which contain the
- * noise level's. */
+/** Compute the field's result by the ratio of means, with errors by the delta method, which include
+ * that of the noise level. */
 void shear_field_result(const shear_field_sums *f, shear_result *out);
 
-/** The jackknife: groups of whole consecutive blocks (nearly equal numbers of them), each left out
- * in turn. Not thread-safe: one owner at a time. */
+/** A jackknife: groups of whole consecutive blocks (nearly equal numbers of them), each left out in
+ * turn. Not thread-safe: one owner at a time. */
 typedef struct shear_jackknife shear_jackknife;
-/** Begin a jackknife over so many groups, at least 2; *j is NULL on error. */
+/** Begin a jackknife with so many groups, at least 2; *j is NULL on error. */
 int shear_jackknife_new(shear_jackknife **j, int groups, shear_error *err);
-/** NULL is accepted. */
+/** Free the jackknife. NULL is accepted. */
 void shear_jackknife_free(shear_jackknife *j);
-/** Add every block of the field, in canonical order: file by file, block by block. */
+/** Add a block. All blocks of the field must be added in canonical order: file by file, block by
+ * block. */
 int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err);
-/** Append all blocks of `other`. All or nothing. */
+/** Append all blocks of `other`: all or none. */
 int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err);
 /** Overwrite errors and covariance of *out, which shear_field_result() has filled in.
  * SHEAR_E_SETTING if there are fewer blocks than groups. */
