@@ -31,8 +31,8 @@ static double steepest(double ratio) {
     return ratio * fmax(4.0, ratio * ratio * ratio);
 }
 
-/* Noise of p - steepest q over that of p - r m, for light half as steep: the light of a PSF is no
- * steeper than `steepest`, and if it is less steep, q holds more of it than is needed. */
+/* Return the noise of p - steepest q over that of p - r m, computed with half of `steepest`: the
+ * light of a PSF is no steeper than that, so the other half leaves a margin. */
 static double gain_at_border(double ratio) {
     return hypot(1.0, 0.5 * steepest(ratio)) / white_gain(ratio);
 }

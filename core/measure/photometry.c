@@ -146,9 +146,9 @@ static bool all_floats(const double *pixels, size_t n) {
 
 bool photometry_is_rounding(const double *pixels, size_t n, double least, double most,
                             double peak) {
-    static const double of_doubles = 64.0; /* what transforms round is of this size */
+    static const double of_doubles = 64.0; /* spacings: more than transforms round */
     static const double of_floats =
-        3.0; /* four adjacent floats: less than half of one is the rms */
+        3.0; /* spacings, so four adjacent floats: noise with an rms of less than half a spacing */
     const double range = most - least;
     const double size = fmax(fabs(least), fabs(most));
     if (range <= of_doubles * spacing(fmax(size, fabs(peak)), DBL_MANT_DIG))

@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-/* Images of one kind. Each number has [planes][ny][nx] pixels. */
+/* Equal images, numbered from 0. Each number has [planes][ny][nx] pixels. */
 typedef struct images {
     shear_images in; /* with all strides set, also if the caller gave none */
     int planes, nx, ny;

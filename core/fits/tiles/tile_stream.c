@@ -5,7 +5,7 @@
 
 #include <zlib.h>
 
-/* Skip one block. A code of `code_bits` tells how its `pixels` differences are stored: 0: all are
+/* Skip one block. A code of `code_bits` bits gives the form of its `pixels` differences: 0: all are
  * zero; the largest code: whole; else the low code-1 bits follow a unary count. */
 static bool skip_block(sf_bits *b, int64_t pixels, int code_bits, int whole_code, int pixel_bits) {
     int code = 0;

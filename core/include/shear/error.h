@@ -29,7 +29,7 @@ enum shear_code {
     SHEAR_E_PSF = 6,  /**< the PSF image is unusable (not finite, no flux, no peak) */
     SHEAR_E_NEGATIVE = 7,  /**< negative pixels for a log interpolation without a pedestal */
     SHEAR_E_EXISTS = 8,    /**< the output exists and must not be replaced */
-    SHEAR_E_CANCELLED = 9, /**< the caller's callback asked to stop */
+    SHEAR_E_CANCELLED = 9, /**< the caller's callback requested a stop */
     SHEAR_E_INTERNAL = 10, /**< a call that violates its contract, or a bug in libshear */
     SHEAR_E_FULL = 11      /**< a disk that was to be written to is full */
 };

@@ -154,7 +154,7 @@ int shear_field_read(shear_field *field, int64_t first, int count, shear_block *
 int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err);
 
 /** The largest size in bytes that a gzipped file may unpack to, unless the environment variable
- * SHEAR_UNPACK_LIMIT says otherwise. */
+ * SHEAR_UNPACK_LIMIT overrides it. */
 #define SHEAR_UNPACK_LIMIT (INT64_C(64) << 30)
 /** Have gzipped files unpacked into these n files, at most 8: empty, open for writing, one for each
  * gzipped file. For a process that may not create a temporary file in $TMPDIR or /tmp. Call it

@@ -141,8 +141,8 @@ typedef struct shear_setting_def {
                                           in the member */
 } shear_setting_def;
 
-/** Return the word for a value that has_auto allows: "auto", or "none" for bad-value, where nothing
- * is chosen. */
+/** Return the word for the value that has_auto allows: "auto", or "none" for bad-value, which
+ * chooses nothing. */
 const char *shear_setting_auto(const shear_setting_def *def);
 
 /** Return the table, in the order of documentation; *n becomes its length. Static, never freed. */

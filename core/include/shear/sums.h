@@ -157,12 +157,12 @@ enum shear_no_shear {
     SHEAR_NOT_FINITE   /**< sums overflow the range of double */
 };
 
-/** A field's result. Without a shear (`why`), `valid` is false and the shear and its errors are
- * NaN.
+/** A field's result. If the field has no shear (`why`), `valid` is false and the shear and its
+ * errors are NaN.
  *
- * The noise level alpha says how much more noise power the galaxy stamps have than the noise
- * stamps, read off at high k. The noise stamps' moments count alpha times: g_i = sum w (N_i + (1 -
- * alpha) noise N_i) / sum w (D + (1 - alpha) noise D). It is 1 if it cannot be known. */
+ * The noise level alpha is the noise power of the galaxy stamps over that of the noise stamps,
+ * measured at high k. The noise stamps' moments count alpha times: g_i = sum w (N_i + (1 - alpha)
+ * noise N_i) / sum w (D + (1 - alpha) noise D). alpha counts as 1 if it is unknown. */
 typedef struct shear_result {
     bool valid;                     /**< the field has a shear */
     enum shear_no_shear why;        /**< why it has none */
