@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/open_parts.h: store, engine and server, opened as the configuration says. */
+/* service/open_parts.h: open store, engine and server as configured. */
 #ifndef SHEARD_SERVICE_OPEN_PARTS_H
 #define SHEARD_SERVICE_OPEN_PARTS_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the service is put together, what it does once a second, and how it is taken apart. */
+/* Open and close the service, connect its rooms by callbacks, and run what is due once a second. */
 #include "service/service.h"
 
 #include "log/log.h"
@@ -31,7 +31,7 @@
 
 /* ---- the callbacks of core ---- */
 
-/* A batch of finished jobs that are older than they may be, or too many. */
+/* Retire a batch of finished jobs that exceed the configured age or number. */
 static void retire_jobs(service *s) {
     const sheard_config *c = &s->config;
     shear_error ignored = {0};
@@ -61,8 +61,7 @@ static void tick(service *s) {
     log_flush();
     if (s->notify.watchdog_ms > 0)
         notify_watchdog(&s->notify, NULL);
-    /* After a failed commit the next try is due: an empty group tells whether the disk is well
-     * again. */
+    /* After a failed commit, commit an empty group to find out whether the disk works again. */
     if (group_is_failing(&s->group))
         group_begin(&s->group, &ignored);
     retire_jobs(s);
@@ -74,7 +73,7 @@ static size_t running_jobs(const service *s) {
     return s->jobs->n;
 }
 
-/* Catalogs that go elsewhere from now on: is it a place for them? */
+/* Check that new catalogs can go into the new directory, if it has changed. */
 static int check_reload(service *s, const sheard_config *fresh, shear_error *err) {
     const bool same = s->config.catalogs.enabled &&
                       strcmp(s->config.catalogs.directory, fresh->catalogs.directory) == 0;
@@ -117,7 +116,7 @@ static const job_hooks job_calls = {.dispose_file = file_disposal_end,
 
 /* ---- opening ---- */
 
-/* All modules in one piece of memory. */
+/* All modules in one block of memory. */
 typedef struct service_parts {
     service s; /* first */
     active_jobs jobs;
@@ -164,7 +163,7 @@ static int open_access(service *s, shear_error *err) {
     return data_roots_set(&s->roots, &s->config.access.data_roots, err);
 }
 
-/* The store, and what belongs to it. */
+/* Open the store and the modules that need it. */
 static int open_state(service *s, shear_error *err) {
     const group_hooks turn = {.turn_ended = on_turn_ended, .context = s};
     int code = open_store(s, err);
@@ -181,8 +180,9 @@ static int open_state(service *s, shear_error *err) {
 
 typedef int opener(service *s, shear_error *err);
 
-/* A service that was killed while it started a reader may leave a child that holds its socket and
- * its locks until it has become the reader: a moment, but a restart comes as soon. */
+/* A service that was killed while starting a reader may leave a child that holds its socket and
+ * locks until it executes the reader. That takes a moment, and a restart may come sooner: try again
+ * for PATIENCE_MS. */
 static int open_when_left(service *s, opener *open_it, int taken, shear_error *err) {
     enum { PATIENCE_MS = 2000, STEP_MS = 50 };
     const struct timespec step = {.tv_nsec = STEP_MS * 1000000L};
@@ -258,7 +258,7 @@ int service_open(service **out, sheard_config *config, const char *config_path,
 }
 
 void service_run(service *s) {
-    char sockets[1024]; /* systemd's, it may be, and not the configuration's */
+    char sockets[1024]; /* may be systemd's, not the configured one */
     server_sockets(s->server, sockets, sizeof sockets);
     log_notice("sheard %s ready: socket %s, watch folder %s", SHEAR_VERSION_STRING, sockets,
                s->spool != NULL ? s->config.spool.directory : "none");

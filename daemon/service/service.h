@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/service.h: the service itself: socket, watch folder, store and engine joined on one loop.
+/* service/service.h: the service: socket, watch folder, store and engine on one loop.
  *
- * All on one thread, the loop's. Changes of the store that one turn of the loop brings are one
- * group, committed (one fsync) at the turn's end; what the outside may see of them (replies, moved
- * files, notifications) happens after that commit, never before (service/core/group.h).
+ * All of it runs on one thread, the loop's. The changes of the store in one turn of the loop form
+ * one group, committed by one fsync at the end of the turn; replies, moved files and notifications
+ * follow after the commit (service/core/group.h).
  *
  * The rooms, each of which may use those before it:
  *
  *     core    the loop, group commit, lifecycle, reload, permissions
- *     jobs    from the queue into the engine and back; what a job reads, and what it leaves
- *     fields  results of fields, and who is told that they changed
+ *     jobs    the queue, the engine's events; the files that a job reads and leaves
+ *     fields  results of fields, and notifications of their changes
  *     intake  submissions, and the files of the watch folder
  *     rpc     the methods of the protocol
  *
- * Calls upwards are callbacks, registered in service.c.
- */
+ * Calls upwards are callbacks, registered in service.c. */
 #ifndef SHEARD_SERVICE_H
 #define SHEARD_SERVICE_H
 
@@ -22,11 +21,11 @@
 
 typedef struct service service;
 
-/* Take over *config (deinited by service_close, also on error). `assignments`: of the command line,
- * for reloads. */
+/* Open the service. *config is taken over, and deinited by service_close or on error. `assignments`
+ * are the command line's, for reloads. *s is NULL on error. */
 int service_open(service **s, sheard_config *config, const char *config_path,
                  const sheard_list *assignments, shear_error *err);
-/* Serve until asked to stop: SIGTERM, SIGINT, or a client. */
+/* Serve until a signal (SIGTERM, SIGINT) or a client stops the service. */
 void service_run(service *s);
 void service_close(service *s);
 

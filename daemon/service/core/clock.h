@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/clock.h: the two clocks of the service. */
+/* service/core/clock.h: the two clocks of the service, in milliseconds. */
 #ifndef SHEARD_SERVICE_CLOCK_H
 #define SHEARD_SERVICE_CLOCK_H
 
 #include "base/clock.h"
 
-/* To tell and to store; it may be set at any time. */
+/* Return the wall clock, since 1970, for times that are shown or stored. It may be set at any time.
+ */
 static inline int64_t clock_wall_ms(void) {
     return clock_ms(CLOCK_REALTIME);
 }
 
-/* To measure with; it counts on while the machine sleeps. */
+/* Return the steady clock, for measuring intervals. It is never set, and counts while the machine
+ * sleeps. */
 static inline int64_t clock_steady_ms(void) {
     return clock_ms(CLOCK_BOOTTIME);
 }

@@ -4,10 +4,9 @@
 #include "log/log.h"
 #include "service/core/clock.h"
 
-/* Less is the way clocks are corrected all the time: slowly. */
+/* Smaller steps are gradual corrections of the clock. */
 static const int64_t jump_ms = 1000;
-/* A clock that was set forward is believed, for what is removed because of its age, when it has
- * stood so long. */
+/* How long a clock that was set forward must have run before ages are computed from it. */
 static const int64_t believed_ms = INT64_C(24) * 3600 * 1000;
 
 static int64_t latest_ms(const clock_watch *w, int64_t wall) {
@@ -32,7 +31,7 @@ typedef struct clock_move {
     int64_t delta_ms;
 } clock_move;
 
-/* The group with the moved jobs is on disk, or it is to be done again. */
+/* Keep the delta for another try if the group with the moved jobs is not on disk. */
 static void moved(post_commit *post, int code, const shear_error *err) {
     const clock_move *move = (const clock_move *)post;
     (void)err;

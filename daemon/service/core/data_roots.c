@@ -19,7 +19,7 @@ struct data_root {
     char reason[REASON_SIZE];
 };
 
-/* A list of roots, and what was found; the pool's thread works on a copy. */
+/* Check one root. Called from either thread, on data that the other one does not use. */
 static void look(data_root *r) {
     shear_error err = {0};
     r->missing = access_root_check(r->path, &err) != SHEAR_OK;
@@ -33,7 +33,7 @@ static void list_deinit(root_list *list) {
     *list = (root_list){0};
 }
 
-/* Memory for n roots; list->n is how many there are. */
+/* Allocate memory for n roots; list->n counts those that have been added. */
 static bool list_init(root_list *list, size_t n) {
     *list = (root_list){.roots = calloc(n + 1, sizeof *list->roots)};
     return list->roots != NULL;
@@ -102,9 +102,9 @@ size_t data_roots_missing(const data_roots *d, const char **list, size_t capacit
     return n;
 }
 
-/* ---- now and then ---- */
+/* ---- periodic checks ---- */
 
-/* Jobs that wait for a root are tried at once. */
+/* Make jobs that wait for a root due now. */
 static void retry_jobs(group *g) {
     shear_error err = {0};
     int code = group_begin(g, &err);

@@ -22,7 +22,8 @@ void descriptors_raise(const sheard_config *config) {
     }
 }
 
-/* Of very few descriptors clients get a quarter: the jobs have to wait for each other then. */
+/* If there are very few descriptors, clients get a quarter of them; jobs then wait for each other.
+ */
 int64_t descriptors_connections(const sheard_config *config) {
     const int64_t configured = config->limits.connections;
     const int64_t own = sheard_config_own_descriptors(config);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/directory.h: a directory that the service makes where it is missing. */
+/* service/core/directory.h: make a directory if it is missing. */
 #ifndef SHEARD_SERVICE_DIRECTORY_H
 #define SHEARD_SERVICE_DIRECTORY_H
 
@@ -7,7 +7,7 @@
 
 #include <sys/types.h>
 
-/* It may be there. SHEAR_E_IO. */
+/* Make the directory, unless it exists. SHEAR_E_IO. */
 int directory_make(const char *path, mode_t mode, shear_error *err);
 
 #endif

@@ -53,7 +53,8 @@ static void note_success(group *g) {
     g->commits++;
     if (g->failing) {
         problem_note_end(g->notes, "store");
-        problem_note_end(g->notes, "spool"); /* files that could not be stored are told again now */
+        /* Files that could not be stored are reported again now. */
+        problem_note_end(g->notes, "spool");
     }
     g->failing = false;
 }

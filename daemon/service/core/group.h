@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/group.h: group commit. All changes of the store that one turn of the loop brings are
- * one group, committed by one fsync when the turn ends. What the outside may see of them (replies,
- * moved files, notifications, started jobs) is left to post-commit callbacks: they run after that
- * commit, in the order in which they were registered, never before. What they change belongs to the
- * next group, which is committed in the next turn. */
+/* service/core/group.h: group commit. All changes of the store in one turn of the loop form one
+ * group, committed by one fsync at the end of the turn. Their effects outside the store (replies,
+ * moved files, notifications, started jobs) are post-commit callbacks: these run after the commit,
+ * in the order of their registration. Changes that they make belong to the next group, which is
+ * committed in the next turn. */
 #ifndef SHEARD_SERVICE_GROUP_H
 #define SHEARD_SERVICE_GROUP_H
 
@@ -12,22 +12,24 @@
 
 #include <uv.h>
 
-/* What a module registers to be done after the commit; first member of a larger record where the
- * module has more to remember. Freed after its run. */
+/* A callback to be run after the commit: the first member of a larger record if the module has data
+ * of its own. Freed after its run. */
 typedef struct post_commit post_commit;
-/* `code` SHEAR_OK: the group is on disk. Else nothing of it is, and *err tells why. */
+/* Called after the commit. `code` is SHEAR_OK if the group is on disk; otherwise nothing of it is,
+ * and *err describes the error. */
 typedef void post_commit_run(post_commit *post, int code, const shear_error *err);
 struct post_commit {
     post_commit *next;
     post_commit_run *run;
-    void *context; /* the group's */
-    int64_t job;   /* that it is about; 0: it is about none */
+    void *context; /* of group_hooks */
+    int64_t job;   /* number of the job that it is about; 0: none */
 };
 
 typedef struct group_hooks {
-    /* After the callbacks of every turn; `code`: of the commit, SHEAR_OK where there was none. */
+    /* Called after the callbacks of every turn. `code` is the commit's, or SHEAR_OK if there was
+     * none. */
     void (*turn_ended)(void *context, int code);
-    void *context; /* the callbacks', too */
+    void *context; /* passed to post-commit callbacks, too */
 } group_hooks;
 
 typedef struct group {
@@ -35,7 +37,8 @@ typedef struct group {
     problem_notes *notes;
     group_hooks hooks;
     uv_check_t turn_end;
-    uv_idle_t commit_now; /* active while a group is open: the loop must not sleep on it */
+    uv_idle_t commit_now; /* active while a group is open, so that the loop does not sleep before
+                             the commit */
     bool open;
     bool failing; /* the last commit failed */
     int64_t commits, failed_commits;
@@ -44,14 +47,15 @@ typedef struct group {
 
 void group_start(group *g, uv_loop_t *loop, store *s, problem_notes *notes,
                  const group_hooks *hooks);
-/* Call before every change of the store. */
+/* Open the group, unless it is open. Call before every change of the store. Errors of store_begin.
+ */
 int group_begin(group *g, shear_error *err);
-/* Register `run` for after the commit, with a zeroed record of `size` bytes that begins with a
- * post_commit. NULL: out of memory. */
+/* Register `run` for after the commit. Return a zeroed record of `size` bytes that begins with a
+ * post_commit and belongs to the group, or NULL if out of memory. */
 void *group_then(group *g, post_commit_run *run, int64_t job, size_t size);
-/* The last commit failed, and none has succeeded since: the next one is tried once a second. */
+/* Return true if the last commit failed. The next one is tried once a second. */
 bool group_is_failing(const group *g);
-/* Nothing waits for a commit. */
+/* Return true if no group is open and no callback waits. */
 bool group_is_idle(const group *g);
 
 #endif

@@ -34,7 +34,7 @@ void lifecycle_drain(service *s) {
     log_notice("draining: %" PRId64 " jobs are left", left.running + left.queued);
 }
 
-/* The last job of a drain has ended: tell it, once. */
+/* Announce, once, that the last job of a drain has ended. */
 static void check_drain(service *s) {
     if (s->life.state != SHEARD_SERVER_DRAINING || !s->life.drain_pending)
         return;
@@ -74,7 +74,8 @@ void lifecycle_stop(service *s, double timeout_s) {
     uv_timer_start(&s->life.drain_end, on_drain_end, (uint64_t)(1e3 * fmax(0.0, seconds)), 0);
 }
 
-/* The running jobs are given back: their checkpoints are kept, and they go on at the next start. */
+/* Running jobs are put back into the queue; they resume from their checkpoints at the next start.
+ */
 void lifecycle_stop_now(service *s) {
     s->life.state = SHEARD_SERVER_STOPPING;
     server_stop_accepting(s->server);
@@ -90,7 +91,7 @@ static void close_handle(uv_handle_t *handle, void *context) {
         uv_close(handle, NULL);
 }
 
-/* The server is gone: close what is left, so that the loop ends. */
+/* The server is closed: close all other handles, so that the loop ends. */
 static void server_closed(void *context) {
     service *s = context;
     s->server = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/loop.h: what wakes the loop up, besides clients and files: signals, the tick of each
+/* service/core/loop.h: the loop's events other than clients and files: signals, a tick every
  * second, the engine. */
 #ifndef SHEARD_SERVICE_LOOP_H
 #define SHEARD_SERVICE_LOOP_H
@@ -11,7 +11,7 @@ typedef struct service service;
 enum { LOOP_SIGNALS = 3 };
 
 typedef struct loop_events {
-    uv_async_t engine; /* any thread may send it */
+    uv_async_t engine; /* uv_async_send may be called from any thread */
     uv_signal_t signals[LOOP_SIGNALS];
     uv_timer_t tick;
 } loop_events;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/parts.h: what the service is made of. All of it belongs to the loop's thread.
+/* service/core/parts.h: struct service, and what it consists of. It belongs to the loop's thread.
  *
- * core's own modules are here whole; those of the rooms above it are opaque: whoever uses one
- * includes its header. */
+ * Modules of core are members; those of the rooms above are pointers to incomplete types, whose
+ * headers are included where they are used. */
 #ifndef SHEARD_SERVICE_PARTS_H
 #define SHEARD_SERVICE_PARTS_H
 
@@ -21,14 +21,14 @@
 #include "spool/spool.h"
 #include "store/store.h"
 
-/* What core asks of the rooms above it; set once, before the loop runs. */
+/* Calls from core into the rooms above it; set once, before the loop runs. */
 typedef struct core_hooks {
     void (*tick)(service *s);          /* once a second */
-    void (*engine_events)(service *s); /* the engine has some */
+    void (*engine_events)(service *s); /* the engine has events */
     size_t (*running_jobs)(const service *s);
-    void (*stop_jobs)(service *s); /* give them back: they go on at the next start */
-    void (*close)(service *s);     /* nothing comes any more: tell what is still to be told */
-    /* May these settings replace the present ones? */
+    void (*stop_jobs)(service *s); /* stop and requeue the running jobs */
+    void (*close)(service *s);     /* before the server closes: publish what is pending */
+    /* Return SHEAR_OK if `fresh` may replace the present configuration. */
     int (*check_reload)(service *s, const sheard_config *fresh, shear_error *err);
 } core_hooks;
 
@@ -36,15 +36,15 @@ struct service {
     uv_loop_t loop;
     sheard_config config;
     char *config_path;       /* NULL: the default one */
-    sheard_list assignments; /* of the command line, for reloads */
-    char user[64];           /* that this process runs as */
-    bool activated;          /* the socket is systemd's: the next client starts the service again */
+    sheard_list assignments; /* from the command line, for reloads */
+    char user[64];           /* name of the user that this process runs as */
+    bool activated;          /* systemd owns the socket: the next client starts the service again */
     int64_t started_wall_ms, started_steady_ms;
 
     notify notify;
     store *store;
     engine *engine;
-    server *server; /* NULL: it is closed */
+    server *server; /* NULL: closed */
     spool *spool;   /* NULL: there is no watch folder */
 
     const core_hooks *hooks;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/permissions.h: who may do what: [access] of the configuration, looked up. */
+/* service/core/permissions.h: who may do what: the users and groups of [access], looked up. */
 #ifndef SHEARD_SERVICE_PERMISSIONS_H
 #define SHEARD_SERVICE_PERMISSIONS_H
 
@@ -9,19 +9,20 @@
 typedef struct permissions {
     access_list *admins;
     access_list *submitters;
-    access_list *priority; /* who may give priorities above 0 */
-    bool anyone_submits;   /* there are no submit_groups */
-    access_roots *roots;   /* files beneath these may be named */
+    access_list *priority; /* may set priorities above 0 */
+    bool anyone_submits;   /* submit_groups is empty */
+    access_roots *roots;   /* directories beneath which files may be submitted */
 } permissions;
 
-/* All or nothing. */
+/* Look up the users, groups and data roots of the configuration. On error *p is empty. */
 int permissions_init(permissions *p, const sheard_config *config, shear_error *err);
 void permissions_deinit(permissions *p);
 bool permissions_is_admin(const permissions *p, const access_peer *peer);
 bool permissions_may_submit(const permissions *p, const access_peer *peer);
 bool permissions_may_give_priority(const permissions *p, const access_peer *peer);
-/* What is to be said of configured names that nobody has, into list[capacity]; how many. `list`
- * NULL: they are counted. */
+/* Write a message for each configured name that no user or group has into list[capacity], and
+ * return how many there are, at most `capacity`. `list` NULL: only count. The texts are borrowed.
+ */
 size_t permissions_unknown(const permissions *p, const char **list, size_t capacity);
 
 #endif

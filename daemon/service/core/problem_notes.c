@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* So many lines of one kind in this time. */
+/* At most BURST lines about one problem in burst_ms. */
 enum { BURST = 5 };
 static const int64_t burst_ms = 30000;
 
@@ -16,7 +16,7 @@ static bool is_of(const problem_note *note, const char *about, const char *code)
     return strcmp(note->about, about) == 0 && (code == NULL || strcmp(note->code, code) == 0);
 }
 
-/* Its own, or else the one that is over, or will be first. */
+/* Return the problem's own note; if there is none, the one that is over or will be over first. */
 static problem_note *choose(problem_notes *all, const char *about, const char *code) {
     problem_note *first = &all->notes[0];
     for (size_t i = 0; i < PROBLEM_NOTES; i++) {

@@ -10,7 +10,8 @@
 
 enum { PATH_SIZE = 4096 };
 
-/* "QUOTA PERIOD", or "max PERIOD". */
+/* Read cpu.max: "QUOTA PERIOD", or "max PERIOD". Return the quota in processors, rounded up; 0:
+ * none. */
 static int read_quota(const char *group) {
     char path[2 * PATH_SIZE + 16];
     char text[64] = "";
@@ -28,7 +29,7 @@ static int read_quota(const char *group) {
                : 0;
 }
 
-/* The path of our group in the one hierarchy of version 2: "0::PATH". */
+/* Read the path of our group in the hierarchy of version 2, "0::PATH". False: there is none. */
 static bool read_membership(const char *membership, char *path, size_t size) {
     char line[PATH_SIZE];
     bool found = false;
@@ -57,7 +58,7 @@ int processors_quota(const char *membership, const char *top) {
         char *slash = strrchr(path, '/');
         more = slash != NULL;
         if (more) {
-            *slash = '\0'; /* the group around it: its quota holds for all that are in it */
+            *slash = '\0'; /* the parent group: its quota includes all groups in it */
         }
     }
     return least;
@@ -66,7 +67,7 @@ int processors_quota(const char *membership, const char *top) {
 int processors_count(void) {
     cpu_set_t set;
     const int quota = processors_quota("/proc/self/cgroup", "/sys/fs/cgroup");
-    /* EINVAL: a machine with more than 1024 of them */
+    /* EINVAL: the machine has more than 1024 processors */
     long count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set)
                                                              : sysconf(_SC_NPROCESSORS_ONLN);
     count = quota > 0 && quota < count ? quota : count;

@@ -3,12 +3,12 @@
 #ifndef SHEARD_SERVICE_PROCESSORS_H
 #define SHEARD_SERVICE_PROCESSORS_H
 
-/* Those that it may run on (CPUAffinity=, taskset), and no more than the quotas of its control
- * groups (CPUQuota=, a container's) allow, rounded up. At least 1. */
+/* Return the number of processors in this process's affinity mask (CPUAffinity=, taskset), limited
+ * by the quotas of its control groups (CPUQuota=, a container's), rounded up. At least 1. */
 int processors_count(void);
 
-/* What the quotas allow; 0: as many as there are. `membership`: /proc/self/cgroup; `top`: where
- * control groups (version 2) are mounted. */
+/* Return the smallest quota of the control group and those around it, in processors; 0: no quota.
+ * `membership`: path of /proc/self/cgroup; `top`: where control groups (version 2) are mounted. */
 int processors_quota(const char *membership, const char *top);
 
 #endif

@@ -8,9 +8,9 @@
 
 #include <stdlib.h>
 
-static sheard_problems problems; /* large; one thread */
+static sheard_problems problems; /* static because it is large; used by the loop's thread only */
 
-/* "section.key" of each, in one block of memory. */
+/* Return "section.key" of each index, in one block of memory, or NULL if out of memory. */
 static const char **names_of(const size_t *indices, size_t n) {
     enum { NAME_SIZE = 80 };
     const char **names = calloc(n + 1, sizeof *names + NAME_SIZE);
@@ -23,7 +23,8 @@ static const char **names_of(const size_t *indices, size_t n) {
     return names;
 }
 
-/* What is as it was asked for, and will not work now. */
+/* Return the reasons why accepted settings do not work now (missing data roots, unknown names).
+ * NULL: out of memory. */
 static const char **warnings_of(const service *s, size_t *n) {
     const size_t capacity =
         s->config.access.data_roots.n + permissions_unknown(&s->permissions, NULL, SIZE_MAX);
@@ -50,7 +51,7 @@ void reload_reply_deinit(sheard_msg_reloaded *reply) {
     *reply = (sheard_msg_reloaded){0};
 }
 
-/* The new settings into the rooms that have copies of them. */
+/* Pass the new settings to the rooms that keep copies of them. */
 static void apply(service *s) {
     const sheard_config *c = &s->config;
     descriptors_raise(c);
@@ -68,7 +69,7 @@ static void apply(service *s) {
     }
 }
 
-/* Move what may change from *fresh into the configuration; which settings these are. */
+/* Move the settings that may change from *fresh into the configuration; list them in *reply. */
 static int replace_config(service *s, sheard_config *fresh, sheard_msg_reloaded *reply,
                           shear_error *err) {
     enum { MOST = 128 };
@@ -88,7 +89,7 @@ static int replace_config(service *s, sheard_config *fresh, sheard_msg_reloaded 
     return SHEAR_OK;
 }
 
-/* The permissions are those of the new configuration, looked up before it counts. */
+/* Look up the permissions of the new configuration before it replaces the old one. */
 static int replace_all(service *s, sheard_config *fresh, sheard_msg_reloaded *reply,
                        shear_error *err) {
     permissions found;

@@ -3,7 +3,7 @@
 
 #include "base/clock.h"
 
-/* Before the loop waits: from one of these to the next is a turn. */
+/* Called before the loop waits for events; the time between two calls is one turn. */
 static void on_turn_begins(uv_prepare_t *handle) {
     statistics *st = handle->data;
     const int64_t now = clock_ns(CLOCK_THREAD_CPUTIME_ID);

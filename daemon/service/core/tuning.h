@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/tuning.h: what the configuration means for the rooms that have limits of their own.
- */
+/* service/core/tuning.h: the limits of server, spool, readers and memory, computed from the
+ * configuration. */
 #ifndef SHEARD_SERVICE_TUNING_H
 #define SHEARD_SERVICE_TUNING_H
 
@@ -11,8 +11,8 @@
 
 server_limits tuning_server(const sheard_config *c);
 spool_tuning tuning_spool(const sheard_config *c);
-reader_limits tuning_reader(const sheard_config *c); /* but its paths */
-/* The jobs' budget, in bytes; one that the machine does not have is warned of. */
+reader_limits tuning_reader(const sheard_config *c); /* all but its paths */
+/* Return the jobs' memory budget in bytes; log a warning if the machine has less. */
 int64_t tuning_memory(const sheard_config *c);
 
 #endif

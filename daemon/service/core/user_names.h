@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/user_names.h: names of users, remembered for a minute: asking the user database may
- * take long, and jobs are told by the thousand. */
+/* service/core/user_names.h: names of users, cached for a minute: a look-up in the user database
+ * may be slow, and lists have thousands of jobs. */
 #ifndef SHEARD_SERVICE_USER_NAMES_H
 #define SHEARD_SERVICE_USER_NAMES_H
 
@@ -10,17 +10,17 @@
 enum { KNOWN_USERS = 64 };
 
 typedef struct known_user {
-    int64_t until_ms; /* 0: nothing is known */
+    int64_t until_ms; /* when the entry expires; 0: empty */
     uid_t uid;
-    char name[64]; /* empty: none */
+    char name[64]; /* "": the user has no name */
 } known_user;
 
 typedef struct user_names {
     known_user known[KNOWN_USERS];
 } user_names;
 
-/* `now_ms`: of a clock that is never set. NULL: the user has no name. Borrowed until the next call.
- */
+/* Return the user's name, valid until the next call, or NULL if there is none. `now_ms` is of a
+ * clock that is never set. */
 const char *user_names_get(user_names *all, uid_t uid, int64_t now_ms);
 
 #endif

@@ -11,9 +11,9 @@ struct changed_field {
     changed_field *next;
     char *name, *digest;
     int64_t since;     /* see fields/estimates.h */
-    bool being_solved; /* it waits for its result */
-    bool again;        /* and has changed meanwhile */
-    int64_t round;     /* the last one that it was looked at in */
+    bool being_solved; /* the last attempt found its result still being solved */
+    bool again;        /* it has changed since that attempt */
+    int64_t round;     /* the last round in which it was tried */
 };
 
 static void changed_free(changed_field *f) {
@@ -66,7 +66,7 @@ void change_notifier_note(service *s, const char *name, const char *digest) {
     n->first = f;
 }
 
-/* False where its result is still being solved. */
+/* Publish the field. False: its result is still being solved. */
 static bool publish(service *s, const changed_field *f) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     shear_error ignored;
@@ -86,7 +86,8 @@ static bool publish(service *s, const changed_field *f) {
     return true;
 }
 
-/* Published, or left for the next round. True: it has been told, and has not changed since. */
+/* Publish the field, or leave it for the next round. Return true if it has been published and has
+ * not changed since. */
 static bool is_told(service *s, changed_field *f) {
     f->round = s->notifier->round;
     f->being_solved = !publish(s, f);
@@ -104,7 +105,8 @@ static void on_soon(uv_timer_t *timer) {
     publish_some(timer->data, uv_hrtime() + SLICE_NS);
 }
 
-/* Those that have not been looked at in this round, until the time is over: the rest soon. */
+/* Publish fields that have not been tried in this round, until uv_hrtime() reaches `end`; a timer
+ * continues with the rest. */
 static void publish_some(service *s, uint64_t end) {
     change_notifier *n = s->notifier;
     for (changed_field **at = &n->first; *at != NULL;) {

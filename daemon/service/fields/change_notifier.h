@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/fields/change_notifier.h: fields that changed: told once a second, however often they
- * change, and the last change always. */
+/* service/fields/change_notifier.h: publish changed fields once a second, however often they
+ * change; the last change is always published. */
 #ifndef SHEARD_SERVICE_CHANGE_NOTIFIER_H
 #define SHEARD_SERVICE_CHANGE_NOTIFIER_H
 
@@ -11,21 +11,22 @@
 typedef struct service service;
 typedef struct changed_field changed_field;
 
-/* Tell those who watch the field. `mixed`: there are other settings of it; `since`: see
- * fields/estimates.h. A field without contributions is gone. */
+/* Publish a field to subscribers. `mixed`: the field also has results by other settings; `since`:
+ * see fields/estimates.h. A field without contributions is gone. */
 typedef void change_publish(service *s, const store_field *f, bool mixed, int64_t since);
 
 typedef struct change_notifier {
     changed_field *first;
     change_publish *publish;
-    uv_timer_t soon; /* the rest of a round */
+    uv_timer_t soon; /* publishes the rest of a round */
     int64_t round;
 } change_notifier;
 
 void change_notifier_init(change_notifier *n, service *s, change_publish *publish);
 void change_notifier_deinit(change_notifier *n);
-void change_notifier_note(service *s, const char *name, const char *digest); /* NULL: no name yet */
-void change_notifier_tick(service *s);  /* once a second: soon, a few at a time */
-void change_notifier_flush(service *s); /* all, now */
+/* Note that a field has changed. `name` NULL: it is not known yet, and nothing is done. */
+void change_notifier_note(service *s, const char *name, const char *digest);
+void change_notifier_tick(service *s);  /* once a second: publish the changes, a few at a time */
+void change_notifier_flush(service *s); /* publish all of them now */
 
 #endif

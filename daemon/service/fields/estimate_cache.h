@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/fields/estimate_cache.h: the results that were solved last, by field and settings. One
- * takes less than 1 KiB. The least recently requested are forgotten first. */
+/* service/fields/estimate_cache.h: a cache of solved results, by field and settings, that forgets
+ * the least recently requested ones first. An entry takes less than 1 KiB. */
 #ifndef SHEARD_SERVICE_ESTIMATE_CACHE_H
 #define SHEARD_SERVICE_ESTIMATE_CACHE_H
 
@@ -11,20 +11,20 @@
 
 enum estimate_state { ESTIMATE_IDLE, ESTIMATE_QUEUED, ESTIMATE_SOLVING };
 
-/* What is known of a field with its settings. */
+/* The result of a field with its settings. */
 typedef struct estimate {
     char *name, *digest;
-    TAILQ_ENTRY(estimate) age;   /* from the least recently requested */
+    TAILQ_ENTRY(estimate) age;   /* list by_age, the least recently requested first */
     int64_t requested;           /* the number of the last request for it */
-    TAILQ_ENTRY(estimate) queue; /* where it is QUEUED */
+    TAILQ_ENTRY(estimate) queue; /* estimates' queue, if QUEUED */
     enum estimate_state state;
     enum shear_estimator estimator;
     size_t pending;   /* requests that wait for it */
     bool for_notices; /* the change notifier waits for it, too */
-    /* Of the solving that made what follows, from 1; 0: there was none. */
+    /* Number of the solving that made what follows, from 1; 0: there was none. */
     int64_t number;
-    int64_t jobs;   /* that were counted: contributions come, and never go ... */
-    int64_t losses; /* ... but with one of these */
+    int64_t jobs;   /* jobs counted when it was loaded. Contributions are only added ... */
+    int64_t losses; /* ... except by one of these losses, of which there were so many */
     int code;       /* not SHEAR_OK: why there is no result */
     shear_result result;
 } estimate;
@@ -32,7 +32,7 @@ typedef struct estimate {
 typedef TAILQ_HEAD(estimate_list, estimate) estimate_list;
 
 typedef struct estimate_cache {
-    void *tree; /* tsearch: of all, by name and digest */
+    void *tree; /* tsearch tree of all entries, by name and digest */
     size_t n;
     estimate_list by_age;
     int64_t requests;
@@ -40,10 +40,12 @@ typedef struct estimate_cache {
 
 void estimate_cache_init(estimate_cache *c);
 void estimate_cache_deinit(estimate_cache *c);
-estimate *estimate_cache_find(const estimate_cache *c, const store_field *f); /* or NULL */
-/* The record of a field that is requested now, made where there is none. NULL: out of memory. */
+estimate *estimate_cache_find(const estimate_cache *c, const store_field *f); /* NULL: not found */
+/* Return the field's entry, made if it is missing, as the most recently requested one. NULL: out of
+ * memory. */
 estimate *estimate_cache_request(estimate_cache *c, const store_field *f);
-/* Forget the oldest, but those that were requested after `needed`, and those that are not IDLE. */
+/* Remove the oldest entries above the cache's capacity, up to the first that is not IDLE or was
+ * requested after request number `needed`. */
 void estimate_cache_shrink(estimate_cache *c, int64_t needed);
 
 #endif

@@ -22,20 +22,19 @@ void estimates_note_retraction(service *s) {
     s->estimates->retractions++;
 }
 
-/* What may have taken contributions away: the commit fails that brought them, or they are
- * retracted. */
+/* Return how often contributions may have been lost: by failed commits and retractions. */
 static int64_t losses(const service *s) {
     return s->group.failed_commits + s->estimates->retractions;
 }
 
-/* Has it a result that a request with this `since` may have? */
+/* Return true if the cached result is good for a request with this `since`. */
 static bool is_good(const service *s, const estimate *e, const store_field *f, int64_t since) {
     if (e->number > since)
         return true;
     return e->number > 0 && e->code == SHEAR_OK && e->jobs == f->jobs && e->losses == losses(s);
 }
 
-/* Forget the oldest that no pending request needs. */
+/* Remove the oldest cache entries that no pending request needs. */
 static void shrink(estimates *all) {
     int64_t needed = INT64_MAX;
     const pending_request *r;
@@ -47,7 +46,7 @@ static void shrink(estimates *all) {
 
 /* ---- solving ---- */
 
-/* On a thread of the pool, which alone touches the solving meanwhile. */
+/* Solve, in a thread of the pool, which alone uses the record meanwhile. */
 static void solve(uv_work_t *work) {
     solving *t = work->data;
     shear_error ignored;
@@ -55,7 +54,7 @@ static void solve(uv_work_t *work) {
         t->code = shear_estimate(t->estimator, t->sums, t->terms, &t->result, &ignored);
 }
 
-/* What the store has of the field now. */
+/* Load what the store has of the field now. */
 static int load(service *s, solving *t, shear_error *err) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     const estimate *e = t->what;
@@ -74,8 +73,8 @@ static int load(service *s, solving *t, shear_error *err) {
     return code == SHEAR_OK ? store_field_terms(s->store, e->name, e->digest, t->terms, err) : code;
 }
 
-/* Those that waited for it, and for nothing else, go on; where the service closes, they are
- * forgotten soon. */
+/* Wake the requests that waited for this result and for no other. When the service closes, they are
+ * dropped soon anyway. */
 static void wake_pending(service *s, const estimate *e) {
     const bool closing = s->server == NULL || s->life.closing;
     pending_request *r;
@@ -102,7 +101,7 @@ static void solved(uv_work_t *work, int status) {
     e->state = ESTIMATE_IDLE;
     e->pending = 0;
     e->for_notices = false;
-    e->number = s->estimates->begun; /* one at a time */
+    e->number = s->estimates->begun; /* solvings run one at a time */
     e->jobs = t->jobs;
     e->losses = t->losses;
     e->code = t->code;
@@ -115,7 +114,7 @@ static void solved(uv_work_t *work, int status) {
     solve_next(s);
 }
 
-/* The next field of the queue to the pool. */
+/* Start solving the next field of the queue, unless one is under way. */
 static void solve_next(service *s) {
     estimates *all = s->estimates;
     solving *t = &all->solving;
@@ -143,9 +142,9 @@ static enum shear_estimator estimator_of(const store_field *f) {
                                                                           : SHEAR_ESTIMATOR_MEAN;
 }
 
-/* *out: what is queued, or being solved, for it; NULL: its result is at hand. One that is being
- * solved may have been loaded before its last job was counted: it is asked for again after that.
- * False: out of memory. */
+/* Request a result. *out is the entry that is queued or being solved for it, or NULL if the result
+ * is available. One that is being solved may have been loaded before its last job was counted; the
+ * request is then repeated. False: out of memory. */
 static bool want(service *s, const store_field *f, int64_t since, estimate **out) {
     estimates *all = s->estimates;
     const enum shear_estimator estimator = estimator_of(f);
@@ -184,7 +183,7 @@ static pending_request *find_pending(const estimates *all, server_handle to) {
     return r;
 }
 
-/* The request's record, with memory to wait for n fields; NULL: out of memory. */
+/* Return the request's record, with memory to wait for n fields, or NULL if out of memory. */
 static pending_request *note_pending(estimates *all, server_handle to, size_t n) {
     pending_request *r = find_pending(all, to);
     if (r == NULL) {
@@ -235,7 +234,8 @@ enum estimates_answer estimates_request(service *s, server_handle to, const stor
 int estimates_get(service *s, const store_field *f, const shear_field_sums *sums, int64_t since,
                   shear_result *out, int64_t *jobs, shear_error *err) {
     const estimate *e = estimate_cache_find(&s->estimates->cache, f);
-    if (e == NULL || !is_good(s, e, f, since)) { /* nothing was counted, or nobody waited */
+    if (e == NULL ||
+        !is_good(s, e, f, since)) { /* nothing was counted, or the result was not requested */
         shear_field_result(sums, out);
         out->estimator = estimator_of(f);
         out->valid = false;
@@ -249,7 +249,7 @@ int estimates_get(service *s, const store_field *f, const shear_field_sums *sums
                                             "field '%s' could not be solved", f->name);
 }
 
-/* One request less waits for it: out of the queue, where nobody does. */
+/* One request less waits for this result: remove it from the queue if it was the last. */
 static void give_up(estimates *all, estimate *e) {
     assert(e->pending > 0);
     e->pending--;

@@ -21,17 +21,17 @@ void field_purge_wait(service *s, purge_waiter *w) {
     TAILQ_INSERT_TAIL(&s->purge->waiters, w, link);
 }
 
-/* What leaves with a group. */
+/* What one group removes. */
 typedef struct purge_slice {
     post_commit post; /* first */
-    int64_t row;      /* store_removal's */
+    int64_t row;      /* number of the field's row (store_removal) */
     int64_t jobs;
-    bool over;   /* that was all of the row */
-    bool failed; /* a change that is tried again later */
-    char *field; /* where it is over */
+    bool over;   /* the row is now empty and removed */
+    bool failed; /* a change failed; it is tried again later */
+    char *field; /* the field's name, if over */
 } purge_slice;
 
-/* Who waits for the row; NULL: nobody, for it was forgotten before the start. */
+/* Return the request that waits for the row, or NULL: the field was forgotten before the start. */
 static purge_waiter *find_waiter(const field_purge *p, int64_t row) {
     purge_waiter *w;
     TAILQ_FOREACH(w, &p->waiters, link) {
@@ -53,7 +53,7 @@ static void tell(service *s, const purge_slice *slice) {
         log_notice("field '%s' is forgotten", slice->field);
 }
 
-/* They have left on disk, too. */
+/* The removals are on disk: notify the waiter and continue. */
 static void have_left(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     const purge_slice *slice = (const purge_slice *)post;

@@ -10,8 +10,8 @@
 
 #include <math.h>
 
-/* An account that is not there (of a job that was retired before there were accounts), or cannot be
- * read, leaves what the contribution itself says. */
+/* Parse the account of a contribution. If it is missing (the job was retired before there were
+ * accounts) or cannot be read, use what the contribution itself has. */
 static void read_account(const store_contribution *c, sheard_account *account) {
     shear_error ignored;
     if (c->account == NULL || sheard_account_parse(account, c->account, &ignored) != SHEAR_OK) {
@@ -22,7 +22,7 @@ static void read_account(const store_contribution *c, sheard_account *account) {
     }
 }
 
-/* The next job, from j on, whose file is being measured for the field; NULL: there is none. */
+/* Return the first job from j on whose file is being measured for the field, or NULL. */
 static const active_job *next_of(const active_job *j, const store_field *f) {
     while (j != NULL &&
            (j->checksum[0] == '\0' || !active_job_is_of(j, f->name, f->settings_digest))) {
@@ -31,7 +31,8 @@ static const active_job *next_of(const active_job *j, const store_field *f) {
     return j;
 }
 
-/* The plan of the first file that was counted, or else of one that is being measured. */
+/* Get the account of the first file that was counted, for its plan; if none was, the plan of a file
+ * that is being measured. */
 static int first_plan(const service *s, const store_field *f, sheard_account *first,
                       shear_error *err) {
     CLEANUP(store_contribution_page_deinit) store_contribution_page page = {0};
@@ -48,11 +49,11 @@ static int first_plan(const service *s, const store_field *f, sheard_account *fi
     if (code != SHEAR_OK || page.n == 0)
         return code;
     read_account(&page.items[0], first);
-    first->file.checksum = NULL; /* it may be the page's */
+    first->file.checksum = NULL; /* it may belong to the page */
     return SHEAR_OK;
 }
 
-/* The truth that all files share, those that are being measured included. */
+/* Get the truth that all files share, including those that are being measured. */
 static int shared_truth(const service *s, const store_field *f, store_truth *truth,
                         shear_error *err) {
     bool any = f->jobs > 0;
@@ -75,8 +76,7 @@ static int shared_truth(const service *s, const store_field *f, store_truth *tru
     return SHEAR_OK;
 }
 
-/* The path of the file whose stamp counts most: of what was counted, or of the one that is being
- * measured. NULL: not known. The caller's. */
+/* Return the path of the file whose stamp counts most, malloc'd, or NULL if it is not known. */
 static char *find_top_file(const service *s, const store_field *f, const shear_result *r) {
     CLEANUP(release_free) char *text = NULL;
     CLEANUP(sheard_account_deinit) sheard_account account = {0};
@@ -87,14 +87,14 @@ static char *find_top_file(const service *s, const store_field *f, const shear_r
         return j != NULL && r->top_stamp >= 0 ? strdup(j->path) : NULL;
     }
     if (store_field_top(s->store, f->name, f->settings_digest, &top, &text, &ignored) != SHEAR_OK ||
-        top.stamp != r->top_stamp || top.size != r->top_size || /* it is of a job that runs */
+        top.stamp != r->top_stamp || top.size != r->top_size || /* that stamp is of a running job */
         text == NULL || sheard_account_parse(&account, text, &ignored) != SHEAR_OK) {
         return NULL;
     }
     return account.file.path != NULL ? strdup(account.file.path) : NULL;
 }
 
-/* What is said of the field, and of its files' PSFs. */
+/* Warnings about the field and its files' PSFs. */
 typedef struct warning_list {
     sheard_advice_list advice;
     char others[SHEARD_ADVICE_SIZE];
@@ -133,9 +133,9 @@ static int write_report(const store_field *f, const shear_settings *settings,
     return sheard_report_json(text, &report, err);
 }
 
-/* The accounts of what was counted, and their files. */
+/* The accounts of what was counted, and the list of their files. */
 typedef struct listed {
-    sheard_account *accounts; /* [n] */
+    sheard_account *accounts; /* [n], owned */
     sheard_report_file *files;
     size_t n;
 } listed;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/fields/field_report.h: the report of a field, from what the store keeps of its files: the
- * same that `shearctl measure --json` prints of them. */
+/* service/fields/field_report.h: the report of a field, made from what the store keeps of its
+ * files: the same as `shearctl measure --json` prints for them. */
 #ifndef SHEARD_SERVICE_FIELD_REPORT_H
 #define SHEARD_SERVICE_FIELD_REPORT_H
 
@@ -10,7 +10,8 @@
 
 typedef struct service service;
 
-/* `counted`: the contributions whose files are listed. *text is malloc'd. */
+/* Write the report. `counted` has the contributions whose files are listed. *text is malloc'd, the
+ * caller's. */
 int field_report(const service *s, const store_field *f, const shear_settings *settings,
                  const shear_result *result, const store_contribution_page *counted, char **text,
                  shear_error *err);

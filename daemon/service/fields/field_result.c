@@ -18,7 +18,7 @@ static int result_of(service *s, const store_field *f, const shear_settings *set
     return SHEAR_OK;
 }
 
-/* The jobs that run now, and where they are wanted, their sums: joined exactly, so that the result
+/* List the running jobs of the field and, if `partial`, add their sums: exactly, so that the result
  * does not depend on the order. */
 static void add_running(service *s, const store_field *f, shear_field_sums *sums, bool partial,
                         field_result *out) {

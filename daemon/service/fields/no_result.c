@@ -19,7 +19,7 @@ const char *no_result_brief(const store_field *f, const shear_result *r) {
     return brief != NULL ? brief : "there is no result";
 }
 
-/* Smaller is worse, and what is no number at all the worst. */
+/* Smaller is worse, and NaN is worst. */
 static bool is_worse(double a, double b) {
     return isnan(a) ? !isnan(b) : a < b;
 }
@@ -45,9 +45,9 @@ static int look_at(no_result *r, store *s, const store_contribution *c, shear_er
     return SHEAR_OK;
 }
 
-/* False: there are no more, or they cannot be read. */
+/* Examine the next contributions. False: there are no more, or they cannot be read. */
 static bool look_at_some(no_result *r, store *s, const store_field *f) {
-    enum { SOME = 32 }; /* a millisecond */
+    enum { SOME = 32 }; /* takes about a millisecond */
     CLEANUP(store_contribution_page_deinit) store_contribution_page page = {0};
     shear_error ignored;
     if (store_contributions(s, f->name, f->settings_digest, r->seen, SOME, &page, &ignored) !=
@@ -62,7 +62,8 @@ static bool look_at_some(no_result *r, store *s, const store_field *f) {
     return page.more;
 }
 
-/* As its owner calls it. NULL: the job is forgotten. */
+/* Return the file's name as its owner knows it, malloc'd, or NULL: the job was retired, or out of
+ * memory. */
 static char *file_of(store *s, int64_t id) {
     CLEANUP(store_job_deinit) store_job job = {0};
     CLEANUP(sheard_source_deinit) sheard_msg_source source = {0};

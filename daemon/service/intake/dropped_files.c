@@ -14,15 +14,15 @@
 #include "service/jobs/rpc_errors.h"
 #include "service/jobs/spooled_file.h"
 
-/* ---- a file that is a job ---- */
+/* ---- a file and its job ---- */
 
 typedef struct submitted_file {
     post_commit post; /* first */
     char active_name[SPOOL_NAME_SIZE];
 } submitted_file;
 
-/* The job that a file stands for is on disk (or not): if it has ended already (a restart between
- * the commit and the move), the file follows now. */
+/* The job of a file is on disk, or the commit failed. If the job has ended already (a restart
+ * between commit and move), move its file now. */
 static void submitted(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     const submitted_file *file = (const submitted_file *)post;
@@ -39,7 +39,7 @@ static void submitted(post_commit *post, int code, const shear_error *err) {
         job_message_publish(s, &job);
 }
 
-/* This file is that job, once the group is on disk. */
+/* Register what follows when the file's job is on disk. */
 static void follow(service *s, const spool_file *file, int64_t id) {
     submitted_file *later = group_then(&s->group, submitted, id, sizeof *later);
     if (later == NULL) {
@@ -66,8 +66,8 @@ static void submit(service *s, const spool_file *file, const submission *sub) {
     }
 }
 
-/* A file that was told before is a job already, most likely. What it would become now (the
- * defaults, or the files that a job file names, may have changed) is not asked. */
+/* A file that was reported before is probably a job already. Find it by its key, without reading
+ * the file: the defaults, or the files that a job file names, may have changed. */
 static bool is_known(service *s, const spool_file *file) {
     shear_error err = {0};
     int64_t id = 0;
@@ -88,7 +88,7 @@ static bool is_known(service *s, const spool_file *file) {
 
 /* ---- a job file ---- */
 
-/* Read whole, bounded: *text is malloc'd. */
+/* Read the job file, up to its largest size; *text is malloc'd. */
 static int read_job_file(const service *s, const spool_file *file, char **text, size_t *n,
                          sheard_rpc_error *error) {
     CLEANUP(release_fd) int fd = -1;
@@ -107,7 +107,7 @@ static int read_job_file(const service *s, const spool_file *file, char **text, 
     return SHEARD_RPC_OK;
 }
 
-/* As a submit of the file's owner. */
+/* Submit what the job file describes, with the rights of its owner. */
 static void submit_job_file(service *s, const spool_file *file) {
     CLEANUP(release_free) char *text = NULL;
     CLEANUP(access_peer_deinit) access_peer peer = {0};
@@ -132,7 +132,7 @@ static void submit_job_file(service *s, const spool_file *file) {
 
 /* ---- a field ---- */
 
-/* A file that cannot be opened becomes a job, which tells why. */
+/* A file that cannot be opened becomes a job, which then fails with the reason. */
 static bool is_too_large(const service *s, const spool_file *file, shear_error *err) {
     CLEANUP(release_fd) int fd = -1;
     shear_error ignored;

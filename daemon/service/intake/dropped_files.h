@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/intake/dropped_files.h: files of the watch folder are taken as jobs, with their key as
+/* service/intake/dropped_files.h: submit files of the watch folder as jobs, with their spool key as
  * idempotency key. */
 #ifndef SHEARD_SERVICE_DROPPED_FILES_H
 #define SHEARD_SERVICE_DROPPED_FILES_H
@@ -8,7 +8,7 @@
 
 typedef struct service service;
 
-/* Open the watch folder, if there is to be one. Errors of spool_open. */
+/* Open the watch folder, unless it is switched off. Errors of spool_open. */
 int dropped_files_open(service *s, shear_error *err);
 
 #endif

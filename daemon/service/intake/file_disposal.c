@@ -23,8 +23,8 @@ void file_disposal_put_off(service *s, const char *active_name, const char *code
     spool_refuse(s->spool, active_name, &ignored);
 }
 
-/* The report beside the file, and the file to done/ or failed/. A report that cannot be written now
- * is tried again: the file stays in active/ and is told again. */
+/* Write the report and move the file to done/ or failed/. After an error the file stays in active/
+ * and is reported again. */
 static void move(service *s, const char *active_name, bool good, const sheard_msg_side *side,
                  spool_place *place) {
     CLEANUP(release_free) char *text = NULL;
@@ -32,7 +32,8 @@ static void move(service *s, const char *active_name, bool good, const sheard_ms
     shear_error err = {0};
     int code = sheard_side_text(&text, side, &error) == SHEARD_RPC_OK ? SHEAR_OK : SHEAR_E_NOMEM;
     code = code == SHEAR_OK ? spool_dispose(s->spool, active_name, good, text, place, &err) : code;
-    /* Twice: the file may be there, and only an fsync missing; then it is not told again. */
+    /* Try twice: the file may have been moved, with only an fsync missing, and is then not reported
+     * again. */
     if (code == SHEAR_E_IO) {
         spool_place again;
         code = spool_dispose(s->spool, active_name, good, text, &again, &err);
@@ -42,7 +43,7 @@ static void move(service *s, const char *active_name, bool good, const sheard_ms
         file_disposal_put_off(s, active_name, store_code_name(code), err.message);
 }
 
-/* Where it lies is a help, not part of the job: that it could not be kept is no failure. */
+/* Store the file's place. It is a convenience: a failure is only logged. */
 static void keep_place(service *s, store_job *job, const spool_place *place) {
     shear_error err = {0};
     if (place->name[0] == '\0') {
@@ -73,7 +74,7 @@ void file_disposal_end(service *s, store_job *job) {
                             .written_ms = clock_wall_ms(),
                             .version = SHEAR_VERSION_STRING};
     job_to_message(s, job, &side.job);
-    free((char *)side.job.file_now); /* beside this report, soon */
+    free((char *)side.job.file_now); /* the file will be beside this report */
     side.job.file_now = NULL;
     move(s, name, job->state == STORE_DONE, &side, &place);
     job_message_deinit(&side.job);

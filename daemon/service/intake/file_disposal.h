@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/intake/file_disposal.h: what becomes of a file of the watch folder: done/ or failed/, and
- * a report beside it. */
+/* service/intake/file_disposal.h: move files of the watch folder to done/ or failed/, with a
+ * report. */
 #ifndef SHEARD_SERVICE_FILE_DISPOSAL_H
 #define SHEARD_SERVICE_FILE_DISPOSAL_H
 
@@ -10,12 +10,11 @@
 
 typedef struct service service;
 
-/* Where the job is final: its file, if it has one, goes to done/ or failed/, and *job says where it
- * is. */
+/* Move the file of a final job, if it has one, to done/ or failed/, and store its place in *job. */
 void file_disposal_end(service *s, store_job *job);
-/* A file that never becomes a job. */
+/* Move a file that cannot become a job to failed/. */
 void file_disposal_reject(service *s, const spool_file *file, const sheard_rpc_error *why);
-/* It stays in active/, and is told again. */
+/* Leave the file in active/, to be reported again. */
 void file_disposal_put_off(service *s, const char *active_name, const char *code,
                            const char *message);
 

@@ -14,7 +14,7 @@ static void digest(const void *bytes, size_t n, char *hex, size_t size) {
     snprintf(hex, size, "%s", sum);
 }
 
-/* May the peer have these files measured? They are opened, and closed again. */
+/* Check that the peer may read the files, by opening them. The caller deinits *files. */
 static int check_files(service *s, const submission *sub, source_files *files,
                        sheard_rpc_error *error) {
     shear_error err = {0};
@@ -28,7 +28,7 @@ static int check_files(service *s, const submission *sub, source_files *files,
     return code == SHEAR_OK ? SHEARD_RPC_OK : error->code;
 }
 
-/* `groups`: of the peer, as text; NULL for the service's own files. */
+/* Store the job. `groups` are the peer's, as text; NULL: the file is the service's own. */
 static int put(service *s, const submission *sub, const sheard_msg_source *named,
                const char *groups, const shear_settings *settings, int64_t *id, bool *known,
                sheard_rpc_error *error) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/intake/submission.h: from what a client, or a file of the watch folder, asks for to a job
+/* service/intake/submission.h: turn a client's request, or a file of the watch folder, into a job
  * in the store. */
 #ifndef SHEARD_SERVICE_SUBMISSION_H
 #define SHEARD_SERVICE_SUBMISSION_H
@@ -13,15 +13,15 @@ typedef struct service service;
 
 typedef struct submission {
     const sheard_msg_submit *submit;
-    access_peer peer; /* groups borrowed */
+    access_peer peer; /* its groups are borrowed */
     enum store_origin origin;
     const char *key;
-    const char *source;  /* path to store, for the watch folder's own files; NULL: a client's */
-    const char *dropped; /* name of the file that was dropped; NULL: none was */
+    const char *source;  /* path of a file of the watch folder; NULL: use the client's source */
+    const char *dropped; /* name of the dropped file; NULL: none */
 } submission;
 
-/* Into the store, within the group. SHEARD_RPC_OK and *id, or an error; *known: the key had been
- * seen. */
+/* Store the job in the current group. Return SHEARD_RPC_OK and *id, or the code of *error. *known
+ * is true if the idempotency key had been used before. */
 int submission_store(service *s, const submission *sub, int64_t *id, bool *known,
                      sheard_rpc_error *error);
 

@@ -38,7 +38,7 @@ int active_job_new(active_job **out, const store_job *job, shear_error *err) {
     }
     if (sheard_settings_read(&j->settings, job->settings, err) != SHEAR_OK) {
         active_job_free(j);
-        err->code = SHEAR_E_INTERNAL; /* they were good when they were stored */
+        err->code = SHEAR_E_INTERNAL; /* the settings were valid when they were stored */
         return SHEAR_E_INTERNAL;
     }
     *out = j;

@@ -11,30 +11,30 @@ typedef struct service service;
 typedef struct active_job {
     struct active_job *next;
     int64_t id;
-    int64_t failures;   /* so far, for the back-off */
+    int64_t failures;   /* attempts that failed so far, for the back-off */
     int64_t started_ms; /* steady clock */
     char *path;         /* for messages */
-    char *field;        /* asked for, or learned from the file; NULL: not known yet */
+    char *field;        /* requested, or from the file; NULL: not known yet */
     char *digest;       /* of its settings */
     shear_settings settings;
     char checksum[SHEAR_CHECKSUM_SIZE]; /* "": not known yet */
     shear_field_info info;
     shear_plan_info plan;
-    int64_t failed_commits; /* as the group's when the store was told of its content */
-    bool ended;             /* the engine's last event of it needs no more attention */
+    int64_t failed_commits; /* value of the group's counter when the input was stored */
+    bool ended;             /* its outcome is in the store: ignore the engine's last event */
 } active_job;
 
-/* Whom the jobs concern in the rooms above; set once, at the start. What they are told is on disk.
+/* Calls from jobs into the rooms above; set once, at the start. Called when the change is on disk.
  */
 typedef struct job_hooks {
-    /* Where the job is final: its file, if it has one, goes to done/ or failed/, and *job says
-     * where it is. */
+    /* Move the file of a final job, if it has one, to done/ or failed/, and store its place in
+     * *job. */
     void (*dispose_file)(service *s, store_job *job);
-    /* The job is final, and its file where it belongs: answer those who waited for it. */
+    /* The job is final and its file has been moved: answer the clients that wait for it. */
     void (*ended)(service *s, const store_job *job);
-    /* The job counts in its field from now on. */
+    /* The job now counts in its field. */
     void (*counted)(service *s, const store_job *job);
-    /* An event of the engine about none of the store's jobs. */
+    /* The engine has an event of a job that is not in the store. */
     void (*other_event)(service *s, const engine_event *e);
 } job_hooks;
 
@@ -43,21 +43,22 @@ typedef struct active_jobs {
     size_t n;
     const job_hooks *hooks;
     int64_t ended;         /* since the start */
-    size_t marked;         /* running in the store, and not started before that is on disk */
-    bool may_have_orphans; /* jobs may be running on disk that nobody works on */
+    size_t marked;         /* marked running in the store, not on disk yet and so not started */
+    bool may_have_orphans; /* jobs may be running in the store on which nothing works */
 } active_jobs;
 
 void active_jobs_deinit(active_jobs *all);
 
-/* The job as it is known before its files are open. SHEAR_E_NOMEM, SHEAR_E_INTERNAL. */
+/* Make the record of a job whose files are not open yet. SHEAR_E_NOMEM, SHEAR_E_INTERNAL. */
 int active_job_new(active_job **out, const store_job *job, shear_error *err);
 void active_job_free(active_job *j);
 
-void active_jobs_add(active_jobs *all, active_job *j);      /* takes it over */
-active_job *active_jobs_find(active_jobs *all, int64_t id); /* NULL: there is none */
-void active_jobs_remove(active_jobs *all, active_job *j);   /* and free it */
+void active_jobs_add(active_jobs *all, active_job *j);      /* takes ownership */
+active_job *active_jobs_find(active_jobs *all, int64_t id); /* NULL: not found */
+void active_jobs_remove(active_jobs *all, active_job *j);   /* and frees it */
 
-/* Is it of this field, with these settings (NULL: any), and under way? */
+/* Return true if the job is under way and belongs to this field with these settings (`digest` NULL:
+ * any). */
 bool active_job_is_of(const active_job *j, const char *field, const char *digest);
 
 #endif

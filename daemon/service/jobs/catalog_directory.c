@@ -28,7 +28,7 @@ char *catalog_directory_path(const char *directory, int64_t job) {
     return asprintf(&path, "%s/%" PRId64 "%s", directory, job, final_suffix) > 0 ? path : NULL;
 }
 
-/* The job of "JOB.shear.fits" or ".JOB.shear.fits.part"; 0 for other names. */
+/* Return the job of "JOB.shear.fits" or ".JOB.shear.fits.part", or 0 for other names. */
 static int64_t job_of(const char *name, bool *part) {
     *part = name[0] == '.';
     const char *digits = name + (*part ? 1 : 0);
@@ -67,7 +67,7 @@ static char *mark_path(const char *directory) {
     return asprintf(&path, "%s/%s", directory, mark_name) > 0 ? path : NULL;
 }
 
-/* Its text; 0 or errno, ENOENT: there is none. */
+/* Read the mark's text. Return 0 or errno (ENOENT: there is no mark). */
 static int read_mark(const char *path, char text[MARK_SIZE]) {
     CLEANUP(release_fd) const int fd = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     const ssize_t n = fd >= 0 ? io_read(fd, text, MARK_SIZE - 1) : -1;
@@ -83,7 +83,7 @@ static int sync_directory(const char *path) {
     return fd >= 0 && fsync(fd) == 0 ? 0 : errno;
 }
 
-/* It appears whole; EEXIST where another service was faster. */
+/* Write the mark atomically and durably. Return 0 or errno (EEXIST: another service was faster). */
 static int write_mark(const char *identity, const char *directory, const char *path) {
     char text[MARK_SIZE];
     char temporary[4400];
@@ -121,12 +121,13 @@ bool catalog_directory_is_ours(const service *s, const char *path, bool unmarked
 
 /* ---- the claim ---- */
 
-/* What lies in a directory without a mark. */
+/* What is in a directory without a mark. */
 typedef struct directory_content {
     const char *directory;
-    int64_t last_job; /* of this database */
-    int64_t known;    /* files that this database tells of */
-    int64_t strange;  /* a job that has one, and that this database has not had yet; or 0 */
+    int64_t last_job; /* the last one of this database */
+    int64_t known;    /* catalogs that this database knows */
+    int64_t strange;  /* a job's number that this database has not used yet, but that has a catalog
+                         here; 0: none */
     bool any;
 } directory_content;
 
@@ -163,7 +164,7 @@ static int fail_foreign(const service *s, const char *directory, const char *why
                       directory, s->config.daemon.state_dir, why);
 }
 
-/* Without a mark: is it free, or was it ours before there were marks? */
+/* Claim a directory without a mark, if it is free or was ours before there were marks. */
 static int claim_unmarked(service *s, const char *directory, const char *mark, shear_error *err) {
     char why[160];
     directory_content c = {.directory = directory};
@@ -212,9 +213,9 @@ int catalog_directory_claim(service *s, const char *directory, shear_error *err)
     return SHEAR_OK;
 }
 
-/* ---- after a look at all of it ---- */
+/* ---- after a clean-up ---- */
 
-/* What is left of a mark that was being written when its service died. */
+/* Remove marks that were being written when a service died. */
 static void remove_begun_marks(const char *path) {
     const size_t n = sizeof mark_name - 1;
     DIR *directory = opendir(path);
@@ -227,8 +228,8 @@ static void remove_begun_marks(const char *path) {
     closedir(directory);
 }
 
-/* Files' times may lag behind the clock by a tick of it. Where this fails the next start has more
- * to look at. */
+/* The margin allows for file times that lag behind the clock. If this fails, the next start
+ * examines more files. */
 void catalog_directory_renew_mark(const char *directory) {
     enum { MARGIN_S = 2 };
     CLEANUP(release_free) char *mark = mark_path(directory);

@@ -44,8 +44,8 @@ void catalog_forget(const service *s, const store_job *job) {
 
 /* ---- what was retracted ---- */
 
-/* True: there is none any more. The directory may have been left to another database since: then
- * what has this name is that one's. `unmarked`: what lies in a directory without a mark is ours. */
+/* Remove the catalog of a retracted job. Return true if there is none any more. A directory that
+ * now belongs to another database is left alone. `unmarked`: a directory without a mark is ours. */
 static bool remove_retracted(const service *s, int64_t id, const char *path, bool unmarked) {
     if (!catalog_directory_is_name(path, id) || !catalog_directory_is_ours(s, path, unmarked) ||
         unlink(path) == 0 || errno == ENOENT) {
@@ -64,7 +64,7 @@ bool catalog_remove_leaving(const service *s, const store_removal *l) {
     return path == NULL || remove_retracted(s, l->job, path, false);
 }
 
-/* That of the next retracted job after *id, which is 0 after the last. */
+/* Remove the catalog of the next retracted job after *id, and set *id; 0: there is no other. */
 static int remove_next_retracted(service *s, int64_t *id, shear_error *err) {
     CLEANUP(release_free) char *path = NULL;
     int code = store_next_leftover(s->store, *id, id, &path, err);
@@ -87,8 +87,8 @@ void catalogs_remove_retracted(service *s) {
 
 /* ---- the start ---- */
 
-/* Of a job that is over, what it did not end with; of one that is not, what an attempt that the
- * store does not know of has put in place. Catalogs of retired jobs stay. */
+/* Remove the temporary file of a job that is over, and the catalog of any job whose record names
+ * none: an attempt that the store does not know has written it. Catalogs of retired jobs stay. */
 static void clean_up(service *s, int64_t id, bool part, void *context) {
     CLEANUP(store_job_deinit) store_job job = {0};
     CLEANUP(release_free) char *path = catalog_path(s, id);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/jobs/catalogs.h: the jobs' result catalogs, and their temporary files, which wait for a
- * job's next attempt.
+/* service/jobs/catalogs.h: the jobs' result catalogs, and their temporary files, which are kept for
+ * a job's next attempt.
  *
- * A catalog is in place before its job's end is on disk. Where the service dies between, or that
- * end is another one (cancelled meanwhile), it is nobody's: it goes at the job's end, or at the
- * next start. What was there before the directory was marked is never taken for one, and no start
- * looks at what the last one has seen (jobs/catalog_directory.h). */
+ * A catalog gets its name before its job's outcome is on disk. If the service dies in between, or
+ * if the outcome is another one (cancelled meanwhile), the catalog belongs to no job and is removed
+ * when the job ends or at the next start. Files older than the directory's mark are never removed
+ * so, and no start examines what an earlier one has (jobs/catalog_directory.h). */
 #ifndef SHEARD_SERVICE_CATALOGS_H
 #define SHEARD_SERVICE_CATALOGS_H
 
@@ -13,16 +13,19 @@
 
 typedef struct service service;
 
-char *catalog_path(const service *s, int64_t job); /* malloc'd; NULL where there are none */
-/* A job is over: its temporary file, and a catalog that it did not end with, go. */
+/* Return the path of the job's catalog, malloc'd, or NULL if catalogs are off or out of memory. */
+char *catalog_path(const service *s, int64_t job);
+/* Remove the temporary file of a job that is over, and its catalog if the job did not end with one.
+ */
 void catalog_forget(const service *s, const store_job *job);
-/* At the start: their directory is claimed, and what nobody needs goes. */
+/* Claim the catalogs' directory and remove files that belong to no job. Call at the start. */
 int catalogs_open(service *s, shear_error *err);
-/* Jobs were retracted, and that is on disk: their catalogs go. Where one cannot, the next start
- * tries it again. */
+/* Remove the catalogs of retracted jobs, once the retractions are on disk. What cannot be removed
+ * is tried again at the next start. */
 void catalogs_remove_retracted(service *s);
-/* That of a contribution of a forgotten field; of a retired job, as it is called in the directory.
- * True: there is none any more. */
+/* Remove the catalog of a contribution that is being removed with its field. If the job was
+ * retired, its catalog is looked for in the present directory. Return true if there is no catalog
+ * any more. */
 bool catalog_remove_leaving(const service *s, const store_removal *leaving);
 
 #endif

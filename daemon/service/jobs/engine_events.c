@@ -14,9 +14,10 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- OPENED: its name, content and size are known ---- */
+/* ---- OPENED: the file's name, content and size are known ---- */
 
-/* The name of its field is on disk. If the job has ended meanwhile, its end tells the name. */
+/* Publish the field's name, which is on disk, unless the job has ended meanwhile: its end publishes
+ * the name, too. */
 static void tell_name(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     CLEANUP(store_job_deinit) store_job job = {0};
@@ -29,7 +30,7 @@ static void tell_name(post_commit *post, int code, const shear_error *err) {
     job_message_publish(s, &job);
 }
 
-/* Where the job was given no field's name, it is the file's. */
+/* Take the field's name from the file, if the job was submitted without one. */
 static int name_field(active_job *j, const engine_event *e, shear_error *err) {
     const int code = shear_field_need_name(&e->info, j->path, err);
     if (code != SHEAR_OK)
@@ -38,8 +39,8 @@ static int name_field(active_job *j, const engine_event *e, shear_error *err) {
     return j->field != NULL ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
 }
 
-/* The terms that belong to the job's checkpoint; NULL: none are wanted, or they cannot be read:
- * then it begins again. */
+/* Return the terms that belong to the job's checkpoint, or NULL: the estimator needs none, or they
+ * cannot be read; in that case the job begins again. */
 static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
     shear_symmetry *terms = NULL;
     shear_error err = {0};
@@ -55,7 +56,7 @@ static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
     return terms;
 }
 
-/* From its checkpoint, if there is one. */
+/* Start measuring, from the job's checkpoint if there is one. */
 static void measure(service *s, const active_job *j) {
     engine_checkpoint checkpoint = {0};
     CLEANUP(release_free) char *sums = NULL;
@@ -72,7 +73,7 @@ static void measure(service *s, const active_job *j) {
     shear_symmetry_free(terms);
 }
 
-/* A copy of what was counted before ends here. */
+/* End a job whose file is a duplicate of one that was counted before. */
 static void end_as_duplicate(service *s, active_job *j) {
     const store_work work = {.now_ms = clock_wall_ms()};
     store_finished end;
@@ -141,8 +142,7 @@ static int finish(service *s, const active_job *j, const store_work *work, shear
     int code = group_begin(&s->group, err);
     if (code != SHEAR_OK)
         return code;
-    /* A commit failed since the job was opened, and with it, it may be, what the store was told of
-     * its input then. */
+    /* The group that stored the job's input may be the one whose commit failed: store it again. */
     if (j->failed_commits != s->group.failed_commits)
         code = set_input(s, j, &ignored, err);
     return code == SHEAR_OK ? store_finish(s->store, j->id, work, &end, err) : code;

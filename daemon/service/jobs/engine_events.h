@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/jobs/engine_events.h: from the engine's events into the store. */
+/* service/jobs/engine_events.h: store what the engine reports: opened files, checkpoints, results,
+ * failures. */
 #ifndef SHEARD_SERVICE_ENGINE_EVENTS_H
 #define SHEARD_SERVICE_ENGINE_EVENTS_H
 
 typedef struct service service;
 
-/* All that the engine has to tell. */
+/* Process all events of the engine's queue. */
 void engine_events_process(service *s);
 
 #endif

@@ -30,7 +30,7 @@ static int phase_of(const engine_progress *at) {
 static const sheard_msg_progress no_progress = {
     .total = -1, .rate = NAN, .eta_s = NAN, .bytes_done = -1, .bytes_total = -1};
 
-/* What a job that runs now is at; false, and nothing is changed, where it does not. */
+/* Get the progress of a running job. False, with *p unchanged: the engine does not have it. */
 static bool get_running(service *s, const active_job *j, sheard_msg_progress *p) {
     engine_progress at;
     if (j == NULL || !engine_get_progress(s->engine, j->id, &at))
@@ -64,7 +64,7 @@ static void get_progress(service *s, const store_job *job, sheard_msg_progress *
 void job_to_message(service *s, const store_job *job, sheard_msg_job *out) {
     sheard_rpc_error ignored;
     const char *user = user_names_get(&s->users, job->owner, (int64_t)uv_now(&s->loop));
-    /* The numbers of the enums of the store and the protocol are the same. */
+    /* The enums of the store and the protocol have the same numbers. */
     *out =
         (sheard_msg_job){.id = job->id,
                          .state = (enum sheard_job_state)job->state,

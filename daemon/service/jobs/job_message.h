@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/jobs/job_message.h: a job as the protocol tells it. */
+/* service/jobs/job_message.h: a job as a message of the protocol. */
 #ifndef SHEARD_SERVICE_JOB_MESSAGE_H
 #define SHEARD_SERVICE_JOB_MESSAGE_H
 
@@ -8,12 +8,12 @@
 
 typedef struct service service;
 
-/* Texts are borrowed from the record. Deinit it. */
+/* Fill *out; its texts are borrowed from the record. Deinit it. */
 void job_to_message(service *s, const store_job *job, sheard_msg_job *out);
 void job_message_deinit(sheard_msg_job *out);
-/* The job has another state, or is known better, on disk: tell those who watch it. */
+/* Publish a job whose state or field's name has changed, on disk, to subscribers. */
 void job_message_publish(service *s, const store_job *job);
-/* Once a second: what the running jobs are at, to those who asked for it. */
+/* Publish the progress of the running jobs to subscribers. Call once a second. */
 void job_message_publish_progress(service *s);
 
 #endif

@@ -13,7 +13,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- telling ---- */
+/* ---- notification ---- */
 
 void job_outcome_tell(service *s, const store_job *job) {
     catalog_forget(s, job);
@@ -21,7 +21,7 @@ void job_outcome_tell(service *s, const store_job *job) {
     server_end_job(s->server, job->id);
 }
 
-/* It is the same trouble as long as attempts follow each other. */
+/* It is the same problem as long as one failed attempt follows another. */
 static void note_waiting(service *s, const store_job *job) {
     char time[SHEARD_TIME_SIZE];
     const char *code = job->code != NULL ? job->code : "unknown";
@@ -46,7 +46,7 @@ static void tell_final(service *s, const store_job *job) {
              failed ? ": " : "", failed && job->message != NULL ? job->message : "");
 }
 
-/* The store has the job's new state: tell those who wait, and let its file follow. */
+/* The job's new state is on disk: move its file, then notify clients and subscribers. */
 static void settled(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     CLEANUP(store_job_deinit) store_job job = {0};
@@ -101,14 +101,15 @@ failure_reason job_outcome_reason(const shear_error *error) {
     }
 }
 
-/* A disk may be away, or full, for longer than any number of attempts: that is nothing of the
- * job's. */
+/* A disk may be missing or full for longer than any number of attempts, which is not the job's
+ * fault. */
 static bool is_patient(const failure_reason *reason) {
     return strcmp(reason->name, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name) == 0 ||
            strcmp(reason->name, sheard_rpc_code_get(SHEARD_RPC_DISK_FULL)->name) == 0;
 }
 
-/* A transient failure is tried again a limited number of times, a bug once, bad data never. */
+/* Return true if the job is not tried again: a transient failure is retried a limited number of
+ * times, a bug once, bad data never. */
 static bool is_last(const service *s, const failure_reason *reason, int64_t failures) {
     switch (reason->class) {
     case STORE_TRANSIENT:
@@ -120,7 +121,7 @@ static bool is_last(const service *s, const failure_reason *reason, int64_t fail
     }
 }
 
-/* With doubling delays. */
+/* Return when the job is tried again, with doubling delays, or STORE_NEVER. */
 static int64_t retry_at(const service *s, const failure_reason *reason, int64_t failures,
                         int64_t now) {
     const int64_t most = s->config.retry.max_delay_ms;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/jobs/job_outcome.h: how the attempts of jobs end: why they failed, when they are tried
- * again, and who is told. */
+/* service/jobs/job_outcome.h: how attempts of jobs end: why they fail, when they are tried again,
+ * and the notifications that follow. */
 #ifndef SHEARD_SERVICE_JOB_OUTCOME_H
 #define SHEARD_SERVICE_JOB_OUTCOME_H
 
@@ -14,15 +14,16 @@ typedef struct failure_reason {
     const char *name; /* stable code */
 } failure_reason;
 
-/* What an error of the library, the reader or the engine means for a job. */
+/* Classify an error of the library, the reader or the engine. */
 failure_reason job_outcome_reason(const shear_error *error);
-/* The attempt failed: to be tried again, or for good. `failures`: of this job before. */
+/* Store that an attempt failed, and when the job is tried again, if at all. `failures` counts the
+ * job's earlier failures. */
 void job_outcome_fail(service *s, int64_t id, int64_t failures, failure_reason reason,
                       const shear_error *error);
-/* The job's new state is in this group: tell it when that is on disk. */
+/* Register what follows when the job's new state, which is in this group, is on disk: move its
+ * file, answer clients, publish. */
 void job_outcome_settle(service *s, int64_t id);
-/* The job is final, on disk, and its file is where it belongs: those who waited for it are
- * answered. */
+/* Answer the clients that wait for a job that is final, on disk, and whose file has been moved. */
 void job_outcome_tell(service *s, const store_job *job);
 
 #endif

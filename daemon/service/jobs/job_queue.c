@@ -17,7 +17,7 @@
 
 /* ---- starting ---- */
 
-/* Hand the open files over to the engine. */
+/* Pass the open files to the engine. */
 static int give(service *s, const store_job *job, active_job *j, job_source *o, shear_error *err) {
     char text[SHEAR_INPUT_TEXT_SIZE];
     CLEANUP(release_free) char *catalog = catalog_path(s, job->id);
@@ -30,7 +30,7 @@ static int give(service *s, const store_job *job, active_job *j, job_source *o, 
                              .catalog = catalog};
     const int code = engine_add(s->engine, &spec, err);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        o->files.fds[i] = -1; /* the engine's, in any case */
+        o->files.fds[i] = -1; /* the engine owns it now, also on error */
     }
     return code;
 }
@@ -75,7 +75,7 @@ static void start_marked(post_commit *post, int code, const shear_error *err) {
     assert(s->jobs->marked > 0);
     s->jobs->marked--;
     if (code != SHEAR_OK || store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK) {
-        s->jobs->may_have_orphans = true; /* most likely nothing was marked */
+        s->jobs->may_have_orphans = true; /* probably nothing was marked */
         return;
     }
     if (job.state == STORE_RUNNING && active_jobs_find(s->jobs, job.id) == NULL) {
@@ -97,8 +97,8 @@ static int release(service *s, int64_t id, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* After the store failed: jobs that are running on disk while nobody works on them, because their
- * end was lost, go back into the queue. */
+/* After a failure of the store: put jobs back into the queue that are running in the store, but on
+ * which nothing works, because their outcome was lost. */
 static void release_orphans(service *s) {
     const store_job_filter running = {.states = 1u << STORE_RUNNING};
     CLEANUP(store_job_page_deinit) store_job_page page = {0};
@@ -113,7 +113,7 @@ static void release_orphans(service *s) {
 
 /* ---- the queue ---- */
 
-/* A look before the group is opened: an idle service must not commit. */
+/* Check before the group is opened, so that an idle service does not commit. */
 static bool has_next(service *s) {
     store_counts counts;
     shear_error ignored;
@@ -124,7 +124,7 @@ static bool has_next(service *s) {
            (store_next_due(s->store, &due, &ignored) == SHEAR_OK && due <= clock_wall_ms());
 }
 
-/* False: there is none, or it cannot be. */
+/* Mark the next job. False: there is none, or the store failed. */
 static bool mark_next(service *s) {
     CLEANUP(store_job_deinit) store_job job = {0};
     shear_error ignored;

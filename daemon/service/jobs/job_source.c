@@ -71,8 +71,8 @@ static int fail_as(job_source *o, int code, enum store_class fail_class, int rpc
     return code;
 }
 
-/* As who asked: with the groups of then; of older jobs these are not known, there it is the user
- * database's word. */
+/* Return the submitter, with the groups of that time. Jobs of older versions have none stored:
+ * those get the groups in the user database. */
 static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
     return job->groups != NULL ? access_peer_from_text(job->owner, job->gid, job->groups, peer, err)
                                : access_peer_from_user(job->owner, (gid_t)-1, peer, err);
@@ -81,7 +81,8 @@ static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
 static int fail_clients(const service *s, job_source *o, int code, shear_error *err) {
     shear_error missing = {0};
     sheard_rpc_error error;
-    /* It was beneath a root when it was accepted, maybe by another name of one that is away. */
+    /* The path was beneath a root when it was accepted, perhaps by another name of a root that is
+     * missing now. */
     if (code == ACCESS_E_OUTSIDE &&
         access_roots_check(s->permissions.roots, &missing) != SHEAR_OK) {
         *err = missing;
@@ -103,7 +104,8 @@ static int open_clients(const service *s, const store_job *job, job_source *o, s
     return code == SHEAR_OK ? code : fail_clients(s, o, code, err);
 }
 
-/* By the name that its owner gave it: in messages, and where the field is named after it. */
+/* Open a file of the watch folder. Its name is the one that its owner gave it, in messages and as
+ * the field's default name. */
 static int open_spooled(const service *s, const store_job *job, const char *active_name,
                         job_source *o, shear_error *err) {
     o->files.paths[0] = strdup(job->dropped);

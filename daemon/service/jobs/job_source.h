@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/jobs/job_source.h: the files that a job reads: opened for the one who asked, and for no
- * other. */
+/* service/jobs/job_source.h: open the files that a job reads, with the rights of the user who
+ * submitted it. */
 #ifndef SHEARD_SERVICE_JOB_SOURCE_H
 #define SHEARD_SERVICE_JOB_SOURCE_H
 
@@ -16,9 +16,9 @@ enum job_source_code {
 };
 
 typedef struct source_files {
-    int fds[SHEAR_N_PARTS];     /* as of shear_field_open_input; -1: none */
-    char *paths[SHEAR_N_PARTS]; /* without links; of a field file: the first */
-    sheard_msg_source named;    /* the source by those paths; its other texts are borrowed */
+    int fds[SHEAR_N_PARTS];     /* indexed as in shear_field_open_input; -1: not open */
+    char *paths[SHEAR_N_PARTS]; /* real paths, without links; [0] if it is one field file */
+    sheard_msg_source named;    /* the source with those paths; its other texts are borrowed */
 } source_files;
 
 #define SOURCE_FILES_NONE                                                                          \
@@ -26,27 +26,28 @@ typedef struct source_files {
         .fds = { -1, -1, -1, -1 }                                                                  \
     }
 
-/* SHEAR_OK or JOB_SOURCE_E_TOO_LARGE, by the size alone: not a byte is read. fd < 0: none. */
+/* Check a file's size, without reading it. SHEAR_OK or JOB_SOURCE_E_TOO_LARGE. fd < 0: not open,
+ * which is SHEAR_OK. */
 int source_files_check_size(const service *s, int fd, const char *name, shear_error *err);
-/* Open a client's files beneath the data roots, by the peer's rights, and look at their sizes.
- * Errors of access_open and JOB_SOURCE_E_TOO_LARGE; *part is then which one failed (-1: the field
- * file). Deinit it either way. */
+/* Open a client's files beneath the data roots, with the peer's rights, and check their sizes.
+ * Errors of access_open and JOB_SOURCE_E_TOO_LARGE; *part is then the one that failed (-1: the
+ * field file). Deinit *files in either case. */
 int source_files_open(const service *s, const access_peer *peer, const sheard_msg_source *source,
                       source_files *files, int *part, shear_error *err);
-/* Closes what is open. */
+/* Close the descriptors and free the paths. */
 void source_files_deinit(source_files *files);
 
-/* What a running job reads: opened, and what it is called. */
+/* The open files of a job that is to run, and their names. */
 typedef struct job_source {
-    sheard_msg_source source; /* as the store has it */
+    sheard_msg_source source; /* as stored */
     source_files files;
-    shear_input input;           /* its names, which live as long as this */
-    enum store_class fail_class; /* on an error, with the protocol's name of it */
+    shear_input input;           /* borrows its names from this record */
+    enum store_class fail_class; /* after an error, with the protocol's name of the code */
     const char *fail_name;
 } job_source;
 
-/* For the job's owner, with the groups that it had when it asked; the watch folder's own files by
- * the service's right. Deinit it either way. */
+/* Open the files for the job's owner, with the groups that the owner had when submitting; files of
+ * the watch folder with the service's own rights. Deinit *o in either case. */
 int job_source_open(const service *s, const store_job *job, job_source *o, shear_error *err);
 void job_source_deinit(job_source *o);
 

@@ -5,7 +5,8 @@
 
 #include <stdio.h>
 
-/* How many names are looked at for a file whose place is not known: of many jobs, and of one. */
+/* How many names are tried for a file whose place is not known: GLANCE when many jobs are listed,
+ * SEARCH for one job. */
 enum { GLANCE = 8, SEARCH = 256 };
 
 bool spooled_file_is_job_file(const char *name) {
@@ -41,7 +42,8 @@ char *spooled_file_where(const spool *sp, const char *directory, const store_job
         return NULL;
     spool_place place = place_of(job);
     if (place.name[0] == '\0' && store_state_is_final(job->state)) {
-        spool_find_place(sp, name, GLANCE, &place); /* the service died before it was kept */
+        /* the service died before the place was stored */
+        spool_find_place(sp, name, GLANCE, &place);
     }
     const char *where = spool_locate(sp, name, &place, buffer);
     return where != NULL && asprintf(&path, "%s/%s", directory, where) > 0 ? path : NULL;
@@ -60,7 +62,7 @@ int spooled_file_restore(spool *sp, const store_job *job, shear_error *err) {
     if (sp == NULL)
         return spooled_file_no_spool(job, err);
     spool_place place = place_of(job);
-    if (place.name[0] == '\0') { /* of an older version's job, or the power failed */
+    if (place.name[0] == '\0') { /* the job of an older version, or the power failed */
         spool_find_place(sp, name, SEARCH, &place);
     }
     const int code = spool_restore(sp, name, &place, err);

@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/jobs/spooled_file.h: the file of a job that came through the watch folder. What the store
- * says of the job tells whether it has one and what it is called, not whether the spool has told of
- * it since the start. */
+/* service/jobs/spooled_file.h: the file of a job that came through the watch folder. All this
+ * follows from the job's record in the store, whether or not the spool has reported the file since
+ * the start. */
 #ifndef SHEARD_SERVICE_SPOOLED_FILE_H
 #define SHEARD_SERVICE_SPOOLED_FILE_H
 
 #include "spool/spool.h"
 #include "store/store.h"
 
-/* Is it a job file (NAME.json), which describes a job? Else it is a field to be measured. */
+/* Return true if the name is a job file's (NAME.json). Other files are fields to be measured. */
 bool spooled_file_is_job_file(const char *name);
-/* Its name in active/; false where the job has none. */
+/* Write the file's name in active/. False: the job has no file. */
 bool spooled_file_name(const store_job *job, char name[SPOOL_NAME_SIZE]);
-/* Is the file that the job measures the watch folder's own? (Else it is a client's, though a
- * job file may have asked for it.) */
+/* Return true if the job measures a file of the watch folder. A job file is in the watch folder,
+ * but the file that it names is a client's. */
 bool spooled_file_is_field(const store_job *job);
-/* "DIRECTORY/failed/NAME", malloc'd: where it is now; NULL: nowhere, or there is none, or no watch
- * folder (NULL). */
+/* Return "DIRECTORY/failed/NAME" or the like, malloc'd: where the file is now. NULL: it is not
+ * found, the job has none, `sp` is NULL (no watch folder), or out of memory. */
 char *spooled_file_where(const spool *sp, const char *directory, const store_job *job);
-/* A final job is to run again: its file, if it has one, back into active/. Errors as
- * spool_restore; a job file may be missing, for the job knows all that it said. */
+/* Move the file of a final job that is to run again, if it has one, back to active/. Errors of
+ * spool_restore; those of a job file are ignored, since the job's record has all of its content. */
 int spooled_file_restore(spool *sp, const store_job *job, shear_error *err);
-/* SHEAR_E_IO: the watch folder is switched off. */
+/* Fail with SHEAR_E_IO because the watch folder is switched off. */
 int spooled_file_no_spool(const store_job *job, shear_error *err);
 
 #endif

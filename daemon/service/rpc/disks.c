@@ -10,7 +10,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-/* Less than this, or than a twentieth where the whole disk is small, is as good as nothing. */
+/* A disk is full with less free than this, or than a twentieth of it if that is less. */
 static const int64_t little_bytes = INT64_C(64) << 20;
 
 bool disk_is_full(const sheard_msg_disk *d) {
@@ -22,7 +22,7 @@ static const char *complaint(const char *path) {
     return faccessat(AT_FDCWD, path, W_OK | X_OK, AT_EACCESS) == 0 ? NULL : strerror(errno);
 }
 
-/* Of the watch folder it is its four folders that are written to. */
+/* Check the four folders of the watch folder, which are what is written to. */
 static const char *spool_complaint(const char *path) {
     static const char *const folders[] = {"incoming", "active", "done", "failed"};
     const char *found = NULL;
@@ -34,7 +34,7 @@ static const char *spool_complaint(const char *path) {
     return found;
 }
 
-/* Those that have been looked at, each once. */
+/* The devices seen so far, each with its first use. */
 typedef struct disk_seen {
     const char *uses[DISKS];
     dev_t devices[DISKS];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/disks.h: where the service writes: is it there, may it write, is there room. */
+/* service/rpc/disks.h: the directories that the service writes to: whether they exist and are
+ * writable, and how much space is free. */
 #ifndef SHEARD_SERVICE_DISKS_H
 #define SHEARD_SERVICE_DISKS_H
 
@@ -9,8 +10,8 @@ typedef struct service service;
 
 enum { DISKS = 4 };
 
-/* How many there are. */
+/* Fill `disks` and return their number. */
 size_t disks_get(const service *s, sheard_msg_disk disks[DISKS]);
-bool disk_is_full(const sheard_msg_disk *disk); /* ... as good as */
+bool disk_is_full(const sheard_msg_disk *disk); /* or nearly so */
 
 #endif

@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* [page->n]; NULL: out of memory. */
+/* Return [page->n] contributions, malloc'd, or NULL if out of memory. */
 static sheard_msg_contribution *contributions_of(const store_contribution_page *page) {
     sheard_msg_contribution *list = calloc(page->n + 1, sizeof *list);
     for (size_t i = 0; list != NULL && i < page->n; i++) {

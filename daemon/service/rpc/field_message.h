@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/field_message.h: a field as the protocol tells it. `since`: see fields/estimates.h.
- */
+/* service/rpc/field_message.h: a field as a message of the protocol. `since`: see
+ * fields/estimates.h. */
 #ifndef SHEARD_SERVICE_FIELD_MESSAGE_H
 #define SHEARD_SERVICE_FIELD_MESSAGE_H
 
@@ -10,16 +10,16 @@
 
 typedef struct service service;
 
-/* A row of a field, with `counted`, the contributions that are to be listed. *why is begun, for the
- * row's reason and culprit, which are left out. Texts of f and `counted` are borrowed; deinit it.
- */
+/* Fill *out from a field, with `counted` as its list of contributions. The reason and the culprit
+ * are left out; *why is initialized to find them. Texts of f and `counted` are borrowed. Deinit
+ * *out. */
 int field_to_message(service *s, const store_field *f, int64_t since,
                      const store_contribution_page *counted, sheard_msg_field_row *out,
                      no_result *why, shear_error *err);
 void field_message_deinit(sheard_msg_field_row *out);
-/* All texts are borrowed. */
+/* Fill *out; all texts are borrowed. */
 void field_to_summary(service *s, const store_field *f, int64_t since, sheard_msg_summary *out);
-/* For the change notifier: tell those who watch the field. */
+/* The change notifier's callback: publish the field to subscribers. */
 void field_message_publish(service *s, const store_field *f, bool mixed, int64_t since);
 
 #endif

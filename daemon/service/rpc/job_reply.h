@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/job_reply.h: changes of a job are answered with the job, when the change is on disk.
- */
+/* service/rpc/job_reply.h: reply to a request that changes a job with that job, once the change is
+ * on disk. */
 #ifndef SHEARD_SERVICE_JOB_REPLY_H
 #define SHEARD_SERVICE_JOB_REPLY_H
 
@@ -12,16 +12,17 @@ typedef struct service service;
 typedef struct job_reply {
     post_commit post; /* first */
     server_handle to;
-    bool submit; /* the method; else one whose reply is the job alone */
-    bool known;  /* of submit: the key had been seen */
+    bool submit; /* the method is submit; else one whose reply is the job alone */
+    bool known;  /* of submit: the idempotency key had been used before */
 } job_reply;
 
-/* Register `run` for the commit, with a record of `size` bytes that begins with a job_reply. NULL:
- * out of memory, and the request has been answered so. */
+/* Register `run` for after the commit. Return a zeroed record of `size` bytes that begins with a
+ * job_reply, or NULL if out of memory: the error reply has then been sent. */
 void *job_reply_later(service *s, post_commit_run *run, size_t size, server_handle to, int64_t job);
-/* Reply with the job as it is now, and tell others of it. */
+/* Reply with the job as it is now, and notify others. */
 post_commit_run job_reply_run;
-/* Owners and administrators only. Where not, the reply has been given. */
+/* Return true if the peer owns the job or is an administrator. Otherwise the error reply has been
+ * sent. */
 bool job_reply_may_change(service *s, const server_request *r, int64_t id);
 
 #endif

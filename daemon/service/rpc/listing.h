@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/listing.h: a request whose reply is a long list: made a few items at a time, in the
- * steps of deferred work (server.h), so that nobody waits for the whole of it. */
+/* service/rpc/listing.h: a reply that is a long list, made a few items at a time in steps of
+ * deferred work (server.h), so that other clients do not wait for all of it. */
 #ifndef SHEARD_SERVICE_LISTING_H
 #define SHEARD_SERVICE_LISTING_H
 
@@ -12,18 +12,18 @@ typedef struct service service;
 typedef struct listing {
     service *s;
     server_handle to;
-    sheard_request request; /* taken over from the one that was given */
-    buffer items;           /* their texts, with commas between them */
+    sheard_request request; /* taken over from the server's request */
+    buffer items;           /* JSON texts, separated by commas */
 } listing;
 
-/* Take the request over, and have it done by `step`, which gets `l`: the first member of what it
- * works on; `drop` frees that. Where it cannot be, the request has been answered. */
+/* Take over the request and defer its work: `step` makes the reply, `drop` frees `l` and the record
+ * whose first member it is. */
 void listing_begin(listing *l, service *s, const server_request *r,
                    enum server_step (*step)(void *), void (*drop)(void *));
 void listing_deinit(listing *l);
-/* The next item, of the request's method. False: the request has been answered with an error. */
+/* Append an item of the request's method. False: the error reply has been sent. */
 bool listing_add(listing *l, const void *item);
-/* The reply, with the items in its list. */
+/* Send the reply: `rest`, with the items in its list. */
 void listing_reply(listing *l, const sheard_reply *rest);
 
 #endif

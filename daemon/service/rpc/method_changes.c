@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* cancel, retract, retry: changes of a job, answered when they are on disk. */
+/* cancel, retract, retry: change a job, and reply when the change is on disk. */
 #include "base/cleanup.h"
 #include "service/core/clock.h"
 #include "service/core/parts.h"
@@ -33,9 +33,9 @@ void method_cancel(service *s, const server_request *r) {
     job_reply_later(s, job_reply_run, sizeof(job_reply), r->handle, id);
 }
 
-/* ---- retract: what was counted is taken back ---- */
+/* ---- retract: take a job's contribution back ---- */
 
-/* Then catalogs go, and the field has changed. */
+/* Reply, remove the catalogs of retracted jobs, and publish the field's change. */
 static void reply_retracted(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     CLEANUP(store_job_deinit) store_job job = {0};
@@ -63,9 +63,9 @@ void method_retract(service *s, const server_request *r) {
     job_reply_later(s, reply_retracted, sizeof(job_reply), r->handle, id);
 }
 
-/* ---- retry: a failed or cancelled job is queued again ---- */
+/* ---- retry: queue a failed or cancelled job again ---- */
 
-/* The dropped file of a job that is to be tried again goes back into active/. */
+/* Move the dropped file of a job that is to be tried again back to active/. */
 static int take_back(service *s, const store_job *job, sheard_rpc_error *error) {
     shear_error err = {0};
     const int code = spooled_file_restore(s->spool, job, &err);
@@ -83,7 +83,7 @@ static int take_back(service *s, const store_job *job, sheard_rpc_error *error) 
     }
 }
 
-/* Its files are opened, as at its submission, and closed. */
+/* Open the job's files, as at its submission, and close them. */
 static int try_to_open(const service *s, const store_job *job, sheard_rpc_error *error) {
     CLEANUP(job_source_deinit) job_source o = {.files = SOURCE_FILES_NONE};
     shear_error err = {0};
@@ -100,11 +100,11 @@ static int queue_again(service *s, const store_job *job, sheard_rpc_error *error
     return code == SHEAR_OK ? SHEARD_RPC_OK : rpc_error_from_store(error, code, &err);
 }
 
-/* Queued again, in this group; its file is back before. Where that was in vain, the file returns to
- * where it was. */
+/* Queue the job again in this group, after its file is back in active/. On error the file returns
+ * to where it was. */
 static int retry(service *s, store_job *job, sheard_rpc_error *error) {
     if (job->state != STORE_FAILED && job->state != STORE_CANCELLED) {
-        return queue_again(s, job, error); /* the store refuses it: wrong_state */
+        return queue_again(s, job, error); /* the store refuses it with wrong_state */
     }
     int code = take_back(s, job, error);
     if (code != SHEARD_RPC_OK)
@@ -118,11 +118,11 @@ static int retry(service *s, store_job *job, sheard_rpc_error *error) {
 
 typedef struct retry_reply {
     job_reply reply;                   /* first */
-    char active_name[SPOOL_NAME_SIZE]; /* of its file; "": it has none */
+    char active_name[SPOOL_NAME_SIZE]; /* of its file; "": none */
 } retry_reply;
 
-/* Where it is not on disk whether the job is queued again, the spool tells of its file once more,
- * and that puts it where it belongs. */
+/* If the commit failed, have the spool report the file again, so that it is moved to where it
+ * belongs. */
 static void reply_retried(post_commit *post, int code, const shear_error *err) {
     const service *s = post->context;
     const retry_reply *later = (const retry_reply *)post;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* hello, subscribe, unsubscribe: what concerns the connection. */
+/* hello, subscribe, unsubscribe: methods that concern the connection. */
 #include "service/core/parts.h"
 #include "service/rpc/methods.h"
 #include "service/rpc/refuse.h"
@@ -24,7 +24,7 @@ void method_hello(service *s, const server_request *r) {
     server_reply(s->server, r->handle, &reply);
 }
 
-/* Where one of the jobs is unknown, the reply has been given. */
+/* Return true if all jobs exist. Otherwise the error reply has been sent. */
 static bool jobs_known(service *s, const server_request *r, const int64_t *ids, size_t n) {
     for (size_t i = 0; i < n; i++) {
         shear_error err = {0};
@@ -38,7 +38,7 @@ static bool jobs_known(service *s, const server_request *r, const int64_t *ids, 
     return true;
 }
 
-/* Of jobs that are final already nothing will be told. */
+/* Unsubscribe from jobs that are already final: nothing will be published about them. */
 static void leave_final(service *s, uint64_t connection, const sheard_msg_subscribe *what,
                         sheard_msg_subscribed *now) {
     for (size_t i = 0; i < what->n_jobs; i++) {

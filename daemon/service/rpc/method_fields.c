@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* field, fields: looking at fields. */
+/* field, fields: show fields. */
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/fields/estimates.h"
@@ -12,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* False: they are not, and the request was told where they cannot be. */
+/* Return true if all results are available. False: they are being solved, or the error reply has
+ * been sent. */
 static bool have_estimates(const listing *l, const store_field_page *page, const char *digest,
                            int64_t since) {
     const enum estimates_answer answer = estimates_request(l->s, l->to, page, digest, since);
@@ -21,21 +22,21 @@ static bool have_estimates(const listing *l, const store_field_page *page, const
     return answer == ESTIMATES_READY;
 }
 
-/* ---- field: a row in each step, or in several where it is to say what is to blame ---- */
+/* ---- field: one row per step, or several steps per row while it looks for a culprit ---- */
 
 typedef struct field_rows {
     listing list;          /* first */
     int64_t since;         /* see fields/estimates.h */
-    store_field_page page; /* once all results are at hand */
+    store_field_page page; /* filled when all results are available */
     bool ready;
     size_t next;
-    bool made; /* what follows, of the next one */
+    bool made; /* the following members belong to the next row */
     sheard_msg_field_row row;
     store_contribution_page contributions;
     no_result why;
 } field_rows;
 
-/* The rows, and their results. */
+/* Load the rows, and request their results. */
 static enum server_step find_rows(field_rows *w) {
     service *s = w->list.s;
     const sheard_msg_field *p = &w->list.request.params.field;
@@ -76,7 +77,7 @@ static void clear_row(field_rows *w) {
     w->made = false;
 }
 
-/* A step of the next row. */
+/* Make the next row, or continue with it. */
 static void row_step(field_rows *w, const store_field *f) {
     shear_error err = {0};
     const int code = w->made ? SHEAR_OK : make_row(w, f, &err);
@@ -132,7 +133,7 @@ void method_field(service *s, const server_request *r) {
     listing_begin(&w->list, s, r, rows_step, rows_drop);
 }
 
-/* ---- fields: some of them in each step ---- */
+/* ---- fields: some in each step ---- */
 
 enum { FIELDS_A_STEP = 16 };
 
@@ -140,10 +141,10 @@ typedef struct field_list {
     listing list;        /* first */
     int64_t since;       /* see fields/estimates.h */
     size_t left;         /* of the limit */
-    char *name, *digest; /* of the last one; NULL: none yet */
+    char *name, *digest; /* of the last field, owned; NULL: none yet */
 } field_list;
 
-/* A cursor of fields is the digest (32 hex digits), a blank and the name of the last one. */
+/* Parse a cursor: the digest (32 hexadecimal digits), a blank, and the name of the last field. */
 static bool read_cursor(const char *cursor, char *digest, const char **name) {
     const char *blank = cursor != NULL ? strchr(cursor, ' ') : NULL;
     const size_t n = blank != NULL ? (size_t)(blank - cursor) : 0;
@@ -165,7 +166,8 @@ static bool add_summary(field_list *w, const store_field_page *page, size_t i) {
     return listing_add(&w->list, &summary);
 }
 
-/* The page has one field more than are taken of it: whether the last one is mixed. */
+/* Add the first n fields of the page. The page may have one more, which shows whether the last one
+ * is mixed. */
 static bool add_fields(field_list *w, const store_field_page *page, size_t n) {
     for (size_t i = 0; i < n; i++) {
         if (!add_summary(w, page, i))

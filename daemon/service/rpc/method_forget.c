@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* forget: a whole field is taken back. Its rows are gone for everybody with the first commit; the
- * reply comes when its contributions have left, too (fields/field_purge.h). */
+/* forget: take back a whole field. Its rows disappear with the first commit; the reply follows when
+ * its contributions are removed, too (fields/field_purge.h). */
 #include "base/buffer.h"
 #include "base/cleanup.h"
 #include "log/log.h"
@@ -22,7 +22,7 @@ typedef struct forget_reply {
 typedef struct forgotten_field {
     post_commit post; /* first */
     forget_reply *reply;
-    buffer digests; /* of the rows that are gone, each with its NUL */
+    buffer digests; /* of the removed rows, each with its final NUL */
 } forgotten_field;
 
 static void reply_purged(service *s, purge_waiter *w) {
@@ -35,7 +35,7 @@ static void reply_purged(service *s, purge_waiter *w) {
     free(f);
 }
 
-/* It is gone for everybody. */
+/* The rows are removed, on disk: publish that, and remove the contributions. */
 static void forgotten(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     forgotten_field *f = (forgotten_field *)post;
@@ -53,7 +53,7 @@ static void forgotten(post_commit *post, int code, const shear_error *err) {
     field_purge_continue(s);
 }
 
-/* The digests of the rows that will be gone, for the change notifier. */
+/* List the digests of the rows to be removed, for the change notifier. */
 static int list_rows(service *s, const sheard_msg_forget *p, buffer *digests, shear_error *err) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     const int code = store_field_get(s->store, p->field, &page, err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* job, jobs: looking at jobs. */
+/* job, jobs: show jobs. */
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/jobs/job_message.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Its attempts, [attempts->n]; NULL: out of memory. */
+/* Return [attempts->n] attempts, malloc'd, or NULL if out of memory. */
 static sheard_msg_attempt *history_of(const store_attempts *attempts) {
     sheard_msg_attempt *history = calloc(attempts->n + 1, sizeof *history);
     for (size_t i = 0; history != NULL && i < attempts->n; i++) {
@@ -49,7 +49,7 @@ void method_job(service *s, const server_request *r) {
     job_message_deinit(&reply.job.job);
 }
 
-/* ---- jobs: pages of it, each no longer than a step may take ---- */
+/* ---- jobs: in pages that fit into one step ---- */
 
 enum { JOBS_A_STEP = 16 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* status, metrics, reload, drain, shutdown: what concerns the service as a whole. */
+/* status, metrics, reload, drain, shutdown: methods that concern the service as a whole. */
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/core/reload.h"
@@ -62,7 +62,7 @@ void method_reload(service *s, const server_request *r) {
 }
 
 static void reply_state(service *s, server_handle to) {
-    const sheard_reply reply = {.drain = lifecycle_get(s)}; /* of shutdown, too */
+    const sheard_reply reply = {.drain = lifecycle_get(s)}; /* shutdown's reply has the same type */
     server_reply(s->server, to, &reply);
 }
 

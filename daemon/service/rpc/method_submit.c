@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* submit: answered when the job is on disk, or, where the client waits, when it has ended. */
+/* submit: reply when the job is on disk or, if the client waits, when it has ended. */
 #include "service/core/parts.h"
 #include "service/intake/submission.h"
 #include "service/rpc/job_reply.h"
@@ -7,7 +7,7 @@
 #include "service/rpc/pending_waits.h"
 #include "service/rpc/refuse.h"
 
-/* As job_reply_run, but the reply comes when the job has ended. */
+/* Begin to wait for the end of the job, which is on disk. */
 static void reply_when_ended(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     const job_reply *later = (const job_reply *)post;

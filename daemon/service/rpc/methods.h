@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/methods.h: the methods of the protocol. A method is a row of
- * SHEARD_METHODS (sheard/rpc.h: its name, parameters and reply, and whether it is for
- * administrators only) and its handler here, method_NAME, which replies now or later. */
+/* service/rpc/methods.h: dispatch requests to the methods of the protocol. A method is a row of
+ * SHEARD_METHODS (sheard/rpc.h: name, parameters, reply, administrators only or not) and a handler
+ * method_NAME, which replies now or later. */
 #ifndef SHEARD_SERVICE_METHODS_H
 #define SHEARD_SERVICE_METHODS_H
 
@@ -10,12 +10,12 @@
 
 typedef struct service service;
 
-/* The server's request handler; its context is the service. */
+/* The server's request handler; `context` is the service. */
 void methods_request(void *context, const server_request *request);
 
 typedef void method_handler(service *s, const server_request *r);
 
-/* Every method's: method_hello, method_submit, ... */
+/* Declare a handler for each method: method_hello, method_submit, ... */
 #define METHOD(NAME, name, params, reply, admin) method_handler method_##name;
 SHEARD_METHODS(METHOD)
 #undef METHOD

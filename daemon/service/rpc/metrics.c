@@ -13,7 +13,7 @@ static void write_one(FILE *out, const metric *m) {
             m->name, m->type, m->name, m->value);
 }
 
-/* The head of one that has labels. */
+/* Write the header of a metric that has labels. */
 static void begin(FILE *out, const char *name, const char *help) {
     fprintf(out, "# HELP sheard_%s %s\n# TYPE sheard_%s gauge\n", name, help, name);
 }
@@ -88,7 +88,7 @@ static void write_numbers(FILE *out, const sheard_msg_status *s, const server_st
         write_one(out, &metrics[i]);
 }
 
-/* Codes and uses are names of ours: nothing in them has to be escaped. */
+/* Codes and uses are the service's own names and need no escaping. */
 static void write_problems(FILE *out, const problem_list *list) {
     write_one(out,
               &(metric){"problems", "gauge", "What an operator should look at.", (double)list->n});

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/metrics.h: the status as Prometheus text. */
+/* service/rpc/metrics.h: write the status as Prometheus text. */
 #ifndef SHEARD_SERVICE_METRICS_H
 #define SHEARD_SERVICE_METRICS_H
 

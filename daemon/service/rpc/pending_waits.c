@@ -12,12 +12,12 @@
 #include <math.h>
 
 enum { LOOKS_A_STEP = 64, JOBS_A_STEP = 8 };
-/* Ids that all waits of a user, and all of all users, may name. */
+/* Most jobs in the waits of one user, and of all users. */
 enum { USER_IDS = 1 << 18, ALL_IDS = 1 << 20 };
 
 enum wait_phase { WAIT_LOOKING, WAIT_SLEEPING, WAIT_REPLYING };
 
-/* A user, and how many jobs its waits name. */
+/* A user, and the number of jobs in the user's waits. */
 typedef struct wait_user {
     TAILQ_ENTRY(wait_user) link;
     uid_t uid;
@@ -25,18 +25,18 @@ typedef struct wait_user {
 } wait_user;
 
 typedef struct pending_wait {
-    listing list; /* first; of submit only `s` and `to` are used */
+    listing list; /* first; of a submit only `s` and `to` are used */
     TAILQ_ENTRY(pending_wait) link;
-    wait_user *user;  /* NULL: of submit */
-    bool submit;      /* the method; else wait */
-    bool known;       /* of submit: the key had been seen */
-    int64_t until_ms; /* loop time; INT64_MAX: for ever */
+    wait_user *user;  /* NULL: a submit */
+    bool submit;      /* the method is submit; else wait */
+    bool known;       /* of submit: the idempotency key had been used before */
+    int64_t until_ms; /* loop time; INT64_MAX: no limit */
     enum wait_phase phase;
-    size_t n_ids, next; /* the next id to look at, or to reply with */
-    const int64_t *ids; /* as asked for: the request's, or `one` */
+    size_t n_ids, next; /* index of the next id to read or to reply with */
+    const int64_t *ids; /* [n_ids], the request's, or &one */
     int64_t one;
-    size_t left;      /* of them, not final when they were looked at, and not ended since */
-    int64_t *pending; /* [n_pending] those, ascending */
+    size_t left;      /* number of jobs that were unfinished when read and have not ended since */
+    int64_t *pending; /* [n_pending] numbers of those jobs, ascending, owned */
     size_t n_pending;
     bool looked, timed_out;
 } pending_wait;
@@ -46,7 +46,7 @@ void pending_waits_init(pending_waits *all) {
     TAILQ_INIT(&all->users);
 }
 
-/* ---- whose they are ---- */
+/* ---- users ---- */
 
 static wait_user *find_user(pending_waits *all, uid_t uid) {
     wait_user *u;
@@ -67,7 +67,7 @@ static void add_ids(pending_waits *all, wait_user *u, size_t n) {
     all->ids += n;
 }
 
-/* The user is forgotten where none of its waits is left. */
+/* Free the user's record when none of the user's waits is left. */
 static void remove_ids(pending_waits *all, wait_user *u, size_t n) {
     assert(n <= u->ids && n <= all->ids);
     u->ids -= n;
@@ -78,7 +78,7 @@ static void remove_ids(pending_waits *all, wait_user *u, size_t n) {
     }
 }
 
-/* ---- one of them ---- */
+/* ---- one wait ---- */
 
 static void fall_asleep(pending_wait *w) {
     w->phase = WAIT_SLEEPING;
@@ -113,7 +113,7 @@ static bool is_over(const pending_wait *w) {
     return w->until_ms <= (int64_t)uv_now(&w->list.s->loop);
 }
 
-/* The states of some of them; the last of these steps says how it goes on. */
+/* Read the states of some jobs; after the last of them, sleep or reply. */
 static enum server_step look(pending_wait *w) {
     const size_t end = w->n_ids - w->next > LOOKS_A_STEP ? w->next + LOOKS_A_STEP : w->n_ids;
     for (; w->next < end; w->next++) {
@@ -143,7 +143,7 @@ static enum server_step look(pending_wait *w) {
     return SERVER_MORE;
 }
 
-/* A job as it is now; one that has been forgotten meanwhile has no state. */
+/* Reply with a job as it is now. A job that was retired meanwhile has no state. */
 static bool add_job(pending_wait *w, int64_t id) {
     service *s = w->list.s;
     CLEANUP(store_job_deinit) store_job job = {0};
@@ -174,7 +174,7 @@ static enum server_step wait_step(void *context) {
     return SERVER_MORE;
 }
 
-/* ---- beginning to wait ---- */
+/* ---- begin to wait ---- */
 
 static int64_t end_of_wait(const service *s, double timeout_s) {
     const double limit_s = 1e-3 * (double)s->config.limits.wait_timeout_ms;
@@ -251,14 +251,15 @@ void pending_waits_add_submitted(service *s, server_handle to, bool known, int64
     server_defer(s->server, to, &work);
 }
 
-/* ---- waking up ---- */
+/* ---- wake up ---- */
 
 static bool waits_for(const pending_wait *w, int64_t id) {
     return id >= w->pending[0] && id <= w->pending[w->n_pending - 1] &&
            bsearch(&id, w->pending, w->n_pending, sizeof id, ascending) != NULL;
 }
 
-/* It may turn out not to be the last one: a job that had failed may have been retried meanwhile. */
+/* Wake the waits whose last job has ended. They read the states again, since a job that had failed
+ * may have been retried. */
 void pending_waits_job_ended(service *s, int64_t id) {
     pending_wait *next;
     for (pending_wait *w = TAILQ_FIRST(&s->waits->asleep); w != NULL; w = next) {

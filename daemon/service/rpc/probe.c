@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-/* The engine's name for it: no job of the store has it. */
+/* The probe's number in the engine, which no job of the store has. */
 enum { PROBE_JOB = -1 };
 static void answer(service *s, sheard_msg_probed what) {
     probe *p = s->probe;
@@ -68,7 +68,7 @@ static void make_field(uv_work_t *work) {
     p->code = probe_field_make(engine_get_scratch(s->engine), &p->fd, &p->err);
 }
 
-/* The field is there: a job for the engine, as any, but none of the store's. */
+/* The field's file is ready: add it to the engine as a job. */
 static void made(uv_work_t *work, int status) {
     service *s = work->data;
     probe *p = s->probe;
@@ -96,7 +96,7 @@ static void made(uv_work_t *work, int status) {
 
 void probe_event(service *s, const engine_event *e) {
     if (e->job != PROBE_JOB) {
-        return; /* of a job that this process has done with */
+        return; /* a job that this process has finished with */
     }
     switch (e->kind) {
     case ENGINE_OPENED:

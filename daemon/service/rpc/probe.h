@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/probe.h: the method probe: can this service measure? A tiny field of known shear goes
- * the way of every job through the engine (reader, sandbox, plan, workers), and past the store. One
- * at a time: who asks meanwhile gets the same answer. */
+/* service/rpc/probe.h: the method probe: can this service measure? A tiny field of known shear
+ * passes through the engine (reader, sandbox, plan, workers) like any job, but not through the
+ * store. Probes run one at a time; requests that come meanwhile get the same reply. */
 #ifndef SHEARD_SERVICE_PROBE_H
 #define SHEARD_SERVICE_PROBE_H
 
@@ -14,15 +14,15 @@ enum { PROBE_ASKING = 16 };
 
 typedef struct probe {
     server_handle asking[PROBE_ASKING];
-    size_t n_asking; /* > 0: a probe is under way */
+    size_t n_asking; /* above 0: a probe is under way */
     uv_work_t work;
     int fd, code; /* of the field's file */
     shear_error err;
     double begun_s;
-    unsigned guards; /* enum sandbox_guard */
+    unsigned guards; /* bits of enum sandbox_guard */
 } probe;
 
-/* The engine has an event about none of the store's jobs. */
+/* Process an event of the engine about a job that is not in the store. */
 void probe_event(service *s, const engine_event *e);
 
 #endif

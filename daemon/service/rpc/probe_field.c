@@ -12,16 +12,17 @@
 #include <unistd.h>
 
 enum { SIDE = 32 };
-static const double galaxy_sigma_px = 2.5, psf_sigma_px = 1.5, noise = 1e-3; /* of the peak */
+/* noise: relative to the galaxy's peak */
+static const double galaxy_sigma_px = 2.5, psf_sigma_px = 1.5, noise = 1e-3;
 
-/* -1..1, the same in every process. */
+/* Return a number in [-1, 1), from the same sequence in every process. */
 static double draw(uint64_t *seed) {
     *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
     return (double)(*seed >> 11) * 0x1p-52 - 1.0;
 }
 
-/* A round Gaussian under the shear, seen through the PSF: again one, with its centre off the
- * stamp's by a part of a pixel. */
+/* Draw a round Gaussian under the shear, convolved with the PSF, which gives a Gaussian again. Its
+ * centre is off the stamp's by a fraction of a pixel. */
 static void draw_galaxy(uint64_t *seed, double out[SIDE * SIDE]) {
     const double s2 = galaxy_sigma_px * galaxy_sigma_px;
     const double p2 = psf_sigma_px * psf_sigma_px;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/probe_field.h: a tiny field whose shear is known, drawn by formula: for measuring
- * that the service can measure. */
+/* service/rpc/probe_field.h: write a tiny field of known shear, drawn by formula, for the probe. */
 #ifndef SHEARD_SERVICE_PROBE_FIELD_H
 #define SHEARD_SERVICE_PROBE_FIELD_H
 
@@ -10,12 +9,12 @@
 #define PROBE_G2 (-0.01)
 enum { PROBE_STAMPS = 16 };
 
-/* What is measured of it differs from these by less: by what is beyond second order in the shear,
- * the pixels and the noise. */
+/* Bound of |measured - true| per component: terms beyond second order in the shear, pixels and
+ * noise contribute less. */
 #define PROBE_TOLERANCE 2e-4
 
-/* Write it into `directory`, open it for reading, and remove its name. Any errors of
- * shear_field_create and its kin; SHEAR_E_IO. Waits for the disk. */
+/* Write the field into `directory`, open it for reading, and remove its name. *fd is -1 on error.
+ * Errors of shear_field_create and the other writers; SHEAR_E_IO. Waits for the disk. */
 int probe_field_make(const char *directory, int *fd, shear_error *err);
 
 #endif

@@ -30,7 +30,7 @@ static void add_store(const service *s, problem_list *list) {
     if (p != NULL) {
         p->since_ms = note->since_ms;
         p->count = note->count;
-        p->next_attempt_ms = clock_wall_ms() + 1000; /* every tick */
+        p->next_attempt_ms = clock_wall_ms() + 1000; /* tried at every tick */
         snprintf(text_of(list), PROBLEM_TEXT, "the store: %s", note->message);
     }
 }

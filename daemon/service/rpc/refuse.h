@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/refuse.h: error replies. */
+/* service/rpc/refuse.h: send error replies. */
 #ifndef SHEARD_SERVICE_REFUSE_H
 #define SHEARD_SERVICE_REFUSE_H
 
@@ -8,9 +8,9 @@
 typedef struct service service;
 
 void refuse_with(service *s, server_handle to, int code, const char *message);
-/* With an error of the store. */
+/* Reply with an error of the store. */
 void refuse_store(service *s, server_handle to, int code, const shear_error *err);
-/* The service is draining or stopping. */
+/* Reply that the service is draining or stopping. */
 void refuse_new_jobs(service *s, server_handle to);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/status.h: what the service says of itself. */
+/* service/rpc/status.h: the state of the service, as the method status reports it. */
 #ifndef SHEARD_SERVICE_STATUS_H
 #define SHEARD_SERVICE_STATUS_H
 
@@ -8,9 +8,9 @@
 
 typedef struct service service;
 
-enum { STATUS_LEFT_LYING = 16 }; /* files that are told at most */
+enum { STATUS_LEFT_LYING = 16 }; /* at most so many ignored files are listed */
 
-/* A status, and what its texts and lists are in. */
+/* A status message, with the texts and lists that it points to. */
 typedef struct status {
     sheard_msg_status message;
     problem_list *problems;
@@ -19,7 +19,7 @@ typedef struct status {
     sheard_msg_ignored left_lying[STATUS_LEFT_LYING];
 } status;
 
-/* Errors of the store. Deinit it either way. */
+/* Fill *st. Errors of the store. Deinit it in either case. */
 int status_init(status *st, service *s, shear_error *err);
 void status_deinit(status *st);
 
