@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Is the database sound, and does what it says agree? These read everything: not for every day. */
+/* store_check and store_audit: is the database sound, and consistent? Both read all of it. */
 #include "store/query.h"
 #include "store/sums_text.h"
 
@@ -23,7 +23,7 @@ int store_check(store *s, shear_error *err) {
     return query_step(&q, &row, err);
 }
 
-/* Each finds what must not be: its first column is a number that tells where. */
+/* Queries for rows that must not exist; the first column says which one it is. */
 static const char *const contradictions[][2] = {
     {"PRAGMA foreign_key_check", "a row refers to one that is not there"},
     {"SELECT c.state FROM counts c"
@@ -81,7 +81,8 @@ static int find_contradiction(store *s, const char *sql, const char *meaning, sh
                       where != NULL ? where : "null");
 }
 
-/* The row: sums, top_size, top_stamp. Is that the stamp that counts most of these sums? */
+/* Add the sums of the row (sums, top_size, top_stamp), after checking that its stamp is the one
+ * that counts most in these sums. */
 static int add_row(store *s, query *q, shear_field_sums *sums, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *one = NULL;
     bool null = false;
@@ -100,7 +101,7 @@ static int add_row(store *s, query *q, shear_field_sums *sums, shear_error *err)
     return SHEAR_OK;
 }
 
-/* The exact join of a field's contributions, as text. */
+/* Return the exact join of a field's contributions, as text, malloc'd. */
 static int join_contributions(store *s, int64_t field, char **text, shear_error *err) {
     static const char sql[] =
         "SELECT sums, top_size, top_stamp FROM contributions WHERE field = ?1";
@@ -123,7 +124,7 @@ static int join_contributions(store *s, int64_t field, char **text, shear_error 
     }
 }
 
-/* The packed sums as text of the present version: what was counted once may be of an older one. */
+/* Convert packed sums to text of the present format; they may have been stored in an older one. */
 static int read_packed(const char *packed, char **text, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     const int code = sums_parse_packed(&sums, packed, err);

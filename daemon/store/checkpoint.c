@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sums of a running job so far. */
+/* Checkpoints: the sums of a running job so far. */
 #include "store/job.h"
 #include "store/operation.h"
 #include "store/sums_text.h"
@@ -7,7 +7,7 @@
 
 #include <inttypes.h>
 
-/* Refuse now what a resumed job could not go on with. */
+/* Refuse a checkpoint from which a job could not resume. */
 static int check_checkpoint(int64_t id, const store_progress *p, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *parsed = NULL;
     if (p->from_block < 0 || p->next_block < p->from_block) {

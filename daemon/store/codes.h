@@ -12,16 +12,16 @@
 typedef struct store store;
 
 enum store_code {
-    STORE_QUEUE_FULL = 100, /* as many unfinished jobs as the caller allows */
-    STORE_KEY_REUSED,       /* the owner used this idempotency key for another request */
+    STORE_QUEUE_FULL = 100, /* there are as many unfinished jobs as the caller allows */
+    STORE_KEY_REUSED,       /* the owner has used this idempotency key for another request */
     STORE_NOT_FOUND,        /* no such job, field or checkpoint */
     STORE_WRONG_STATE,      /* the job's state does not allow this */
-    STORE_BAD_TEXT,         /* a text is longer than its limit, or empty where it must not be */
-    STORE_LOCKED,           /* another process owns this database */
-    STORE_NEWER             /* a newer version of the service wrote this database */
+    STORE_BAD_TEXT, /* a text is longer than its limit, or empty where that is not allowed */
+    STORE_LOCKED,   /* another process owns this database */
+    STORE_NEWER     /* a newer version of the service wrote this database */
 };
 
-/* Bytes without the final NUL. */
+/* Sizes in bytes without the final NUL, except for the last two. */
 enum {
     STORE_FIELD_MAX = 255,
     STORE_DIGEST_MAX = 128, /* settings digest, content checksum */
@@ -36,19 +36,19 @@ enum {
     STORE_MESSAGE_MAX = 1024,
     STORE_ADVICE_MAX = 1024,
     STORE_SUMS_MAX = 65536,
-    STORE_PAGE_MAX = 1000,   /* records in a page: a larger limit is taken as this */
-    STORE_ATTEMPTS_KEPT = 64 /* of a job, the last ones */
+    STORE_PAGE_MAX = 1000,   /* records per page; larger limits are reduced to this */
+    STORE_ATTEMPTS_KEPT = 64 /* the last attempts of each job */
 };
 
-/* These numbers are on disk: never renumber. */
+/* The numbers of these enums are stored in the database: never change them. */
 enum store_state {
     STORE_QUEUED = 0,
     STORE_RUNNING = 1,
-    STORE_WAITING = 2, /* for its retry; this and those above are the unfinished ones */
+    STORE_WAITING = 2, /* for its retry; this state and those above are unfinished */
     STORE_DONE = 3,
     STORE_FAILED = 4,
     STORE_CANCELLED = 5,
-    STORE_RETRACTED = 6, /* was counted, and its contribution was taken back */
+    STORE_RETRACTED = 6, /* was counted, and its contribution was retracted */
     STORE_N_STATES = 7
 };
 enum store_outcome {
@@ -63,21 +63,22 @@ enum store_attempt_outcome {
     STORE_ATTEMPT_DONE = 1,
     STORE_ATTEMPT_FAILED = 2,
     STORE_ATTEMPT_CANCELLED = 3,
-    STORE_ATTEMPT_RELEASED = 4,   /* given back in good order */
+    STORE_ATTEMPT_RELEASED = 4,   /* put back into the queue by the service */
     STORE_ATTEMPT_INTERRUPTED = 5 /* the service died */
 };
 
-/* Stable lower-case names ("queue_full", "running", ...), "unknown" for any other number. Never
- * NULL. */
-const char *store_code_name(int code); /* also of enum shear_code */
+/* Return stable lower-case names ("queue_full", "running", ...), or "unknown" for any other number.
+ * Never NULL. */
+const char *store_code_name(int code); /* or of enum shear_code */
 const char *store_state_name(enum store_state state);
-bool store_state_is_final(enum store_state state); /* not one of the unfinished ones */
+/* Return false for the unfinished states. */
+bool store_state_is_final(enum store_state state);
 const char *store_outcome_name(enum store_outcome outcome);
 const char *store_origin_name(enum store_origin origin);
 const char *store_class_name(enum store_class failure_class);
 const char *store_attempt_outcome_name(enum store_attempt_outcome outcome);
 
-/* True where the same call may succeed later: the disk is full, an I/O error, memory is out. */
+/* Return true if the same call may succeed later: the disk is full, an I/O error, out of memory. */
 bool store_is_transient(int code);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a field was joined from. */
+/* Read a field's contributions, and what they share. */
 #include "store/field_row.h"
 #include "store/page.h"
 #include "store/query.h"
@@ -61,7 +61,7 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     return code;
 }
 
-/* The first or last true shear of a field's contributions; *none: that contribution has none. */
+/* Read the least or greatest true shear of a field's contributions; *none: there is one without. */
 static int end_of_truths(store *s, enum sql which, int64_t field, double g[2], bool *none,
                          shear_error *err) {
     bool row = false;

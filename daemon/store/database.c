@@ -32,8 +32,8 @@ int database_number(sqlite3 *db, const char *path, const char *sql, int64_t *val
     return code;
 }
 
-/* SQLite would make the file readable by all (but for the umask). Where the file exists it is not
- * even opened here: closing it would drop the locks that this process may hold on it. */
+/* Make the file with mode 0600: SQLite's mode would let others read it, depending on the umask. An
+ * existing file is not opened: closing it would drop the locks that this process may hold on it. */
 static int make_file(const char *path, shear_error *err) {
     const int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOCTTY, 0600);
     if (fd >= 0) {
@@ -46,15 +46,15 @@ static int make_file(const char *path, shear_error *err) {
                       "%s: cannot be made: %s", path, strerror(errno));
 }
 
-/* Settings that write nothing, and the lock. */
+/* Set what writes nothing, and take the lock. */
 static int prepare(sqlite3 *db, const char *path, int busy_ms, shear_error *err) {
     sqlite3_extended_result_codes(db, 1);
     sqlite3_busy_timeout(db, busy_ms);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DQS_DML, 0, NULL);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DQS_DDL, 0, NULL);
-    /* The exclusive transaction comes before anything is read; with this locking mode its end does
-     * not give SQLite's lock back. */
+    /* The exclusive transaction precedes all reads. With this locking mode its end does not release
+     * SQLite's lock. */
     return database_exec(db, path,
                          "PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = FULL;"
                          "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF;"
@@ -64,7 +64,7 @@ static int prepare(sqlite3 *db, const char *path, int busy_ms, shear_error *err)
                          err);
 }
 
-/* Whose database is it, and how old? */
+/* Check whose database it is, and read its schema's version, or -1 if it is empty. */
 static int identify(sqlite3 *db, const char *path, int *version, shear_error *err) {
     int64_t application = 0;
     int64_t written = 0;
@@ -140,6 +140,6 @@ int database_use_wal(sqlite3 *db, const char *path, shear_error *err) {
     const int code = start_wal(db, path, err);
     if (code != SHEAR_OK)
         return code;
-    /* The log shrinks back to this after a burst. */
+    /* The log is truncated to this size after a burst. */
     return database_exec(db, path, "PRAGMA journal_size_limit = 67108864", err);
 }

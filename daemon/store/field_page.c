@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields as their readers see them. */
+/* Read fields. */
 #include "store/page.h"
 #include "store/query.h"
 #include "store/sums_text.h"
@@ -36,7 +36,7 @@ static int read_field(query *q, store_field *f, shear_error *err) {
     return code != SHEAR_OK ? code : sums_unpack(packed, &f->sums, err);
 }
 
-/* The page's records while their names begin with `prefix`; with capacity for limit + 1 of them. */
+/* Read records while their names begin with `prefix`; the page has capacity for limit + 1. */
 static int read_page(query *q, const char *prefix, size_t limit, store_field_page *page,
                      shear_error *err) {
     const size_t length = strlen(prefix);
@@ -47,7 +47,7 @@ static int read_page(query *q, const char *prefix, size_t limit, store_field_pag
         code = read_field(q, f, err);
         const bool matches = code == SHEAR_OK && strncmp(f->name, prefix, length) == 0;
         if (!matches || page->n > limit) {
-            /* The one beyond the page's end. */
+            /* the record after the page's end */
             page->more = matches;
             deinit(f);
             page->n--;
@@ -99,7 +99,7 @@ int store_fields(store *s, const store_field_filter *filter, size_t limit, store
     int code = allocate(limit, page, err);
     if (code != SHEAR_OK)
         return code;
-    /* No digest is empty: (prefix, "") is before the first name that begins with the prefix. */
+    /* No digest is empty, so (prefix, "") precedes the first name that begins with the prefix. */
     const bool inside = strcmp(name, prefix) >= 0;
     CLEANUP(query_end) query q = query_on(s, SQL_FIELDS);
     query_text(&q, inside ? name : prefix);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job's end: it and its contribution to its field in one operation. */
+/* Finish a job: store its result and its contribution to the field in one operation. */
 #include "store/field_row.h"
 #include "store/identity.h"
 #include "store/job.h"
@@ -11,12 +11,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A job's sums in the three forms that are needed. */
+/* A job's sums in the three forms that are needed: parsed, packed, and as numbers. */
 typedef struct job_sums {
     shear_field_sums *sums; /* NULL: not given */
     char *packed;
     int64_t n_stamps, n_used;
-    const unsigned char *terms; /* the caller's; or NULL */
+    const unsigned char *terms; /* borrowed; may be NULL */
     size_t terms_size;
 } job_sums;
 
@@ -56,7 +56,7 @@ static int add_field(store *s, const job_row *job, const job_sums *j, int64_t no
     return code;
 }
 
-/* The packed text of a field's sums and a job's, exactly joined. */
+/* Join a field's packed sums and a job's exactly; *packed is malloc'd. */
 static int join(const char *field_packed, const job_sums *j, char **packed, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     const int code = sums_parse_packed(&sums, field_packed, err);
@@ -135,7 +135,7 @@ static int write_done(store *s, int64_t id, const store_work *w, const store_fin
     return code != SHEAR_OK ? code : query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
 }
 
-/* The numbers that the job's row shows: the first job's where this one is its duplicate. */
+/* Store the outcome. A duplicate's row shows the numbers of the job that was counted. */
 static int finish_done(store *s, const job_row *job, const store_work *w, const job_sums *j,
                        store_finished *end, shear_error *err) {
     identity_match m = {0};

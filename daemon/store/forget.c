@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A whole field is taken back: its rows at once, in one operation that marks their contributions;
- * then these, one by one, because there may be very many. */
+/* Forget a field: remove its rows in one operation that marks their contributions, then these one
+ * by one, because there may be very many. */
 #include "store/operation.h"
 #include "store/query.h"
 
@@ -19,7 +19,7 @@ static void forgotten_row_deinit(forgotten_row *r) {
     *r = (forgotten_row){0};
 }
 
-/* Replace *r by the first row of the name whose digest is after that of *r. */
+/* Replace *r by the next row of the name, by digest; id 0: there is none. */
 static int next_row(store *s, const char *name, forgotten_row *r, shear_error *err) {
     bool row = false;
     CLEANUP(forgotten_row_deinit) forgotten_row before = *r;
@@ -36,7 +36,8 @@ static int next_row(store *s, const char *name, forgotten_row *r, shear_error *e
     return query_got(&q, err);
 }
 
-/* With these settings (NULL: any; also such as nothing was counted with so far). */
+/* Fail if unfinished jobs belong to the field with these settings (NULL: any), even if nothing was
+ * counted with them yet. */
 static int check_finished(store *s, const char *name, const char *digest, shear_error *err) {
     int64_t n = 0;
     query q = query_on(s, digest != NULL ? SQL_FIELD_UNFINISHED : SQL_FIELD_PENDING);
@@ -100,7 +101,7 @@ int store_forget(store *s, const char *name, const char *settings_digest, store_
     return code;
 }
 
-/* ---- what was counted in them ---- */
+/* ---- contributions of forgotten fields ---- */
 
 void store_removal_deinit(store_removal *removal) {
     free(removal->field);

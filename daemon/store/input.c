@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a running job finds in its input. */
+/* Store what a running job found in its input. */
 #include "store/identity.h"
 #include "store/job.h"
 #include "store/operation.h"
@@ -15,7 +15,7 @@ static int write_input(store *s, int64_t id, const store_input *input, shear_err
     return query_run(&q, err);
 }
 
-/* The checkpoint of another content is of no use. */
+/* Update the input; drop a checkpoint that belongs to another content. */
 static int update(store *s, int64_t id, const store_input *input, shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     int code = job_row_get_running(s, id, &job, err);

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/job.h: what the operations on one job share. All within the caller's operation. */
+/* store/job.h: steps that the operations on one job share. Call them within an operation
+ * (operation.h). */
 #ifndef SHEARD_STORE_JOB_H
 #define SHEARD_STORE_JOB_H
 
 #include "store/query.h"
 
-/* The columns that an operation must know before it may change a job. */
+/* The columns that an operation needs before it changes a job. */
 typedef struct job_row {
     int64_t id;
     enum store_state state;
     bool cancel_asked, force;
-    char *field, *settings_digest, *content; /* field and content may be NULL */
+    char *field, *settings_digest, *content; /* owned; field and content may be NULL */
 } job_row;
 
-/* STORE_NOT_FOUND where there is no such job. *job is to be deinited in any case. */
+/* Read the row. STORE_NOT_FOUND if there is no such job. Deinit *job in either case. */
 int job_row_get(store *s, int64_t id, job_row *job, shear_error *err);
-/* The same for a job that must be running: else STORE_WRONG_STATE. */
+/* Read the row of a running job; STORE_WRONG_STATE if it does not run. */
 int job_row_get_running(store *s, int64_t id, job_row *job, shear_error *err);
 void job_row_deinit(job_row *job);
 
@@ -24,12 +25,12 @@ int job_wrong_state(const job_row *job, const char *wanted, shear_error *err);
 /* Close the attempt of a running job. `why` is NULL unless it failed. */
 int job_close_attempt(store *s, int64_t id, enum store_attempt_outcome outcome, int64_t now_ms,
                       const store_failure *why, shear_error *err);
-/* Queue a running job again, or cancel it where that was asked. */
+/* Queue a running job again, or cancel it if that was requested; *state is the result. */
 int job_put_back(store *s, int64_t id, enum store_attempt_outcome outcome, int64_t now_ms,
                  enum store_state *state, shear_error *err);
-/* Cancel an unfinished job. The attempt of a running one must be closed already. */
+/* Cancel an unfinished job. The attempt of a running job must have been closed. */
 int job_make_cancelled(store *s, int64_t id, int64_t now_ms, shear_error *err);
-/* STORE_QUEUE_FULL where no job may be added to the unfinished ones. */
+/* Return STORE_QUEUE_FULL if there are `max_unfinished` unfinished jobs or more. */
 int job_check_capacity(store *s, int64_t max_unfinished, shear_error *err);
 
 #endif

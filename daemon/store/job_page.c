@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pages of jobs. Each filter has an index that begins with it, goes on with the state and ends in
- * the id. So a page is the head of at most six ranges, one a state, merged: never more than six
- * pages of ids are read, however many jobs there are. */
+/* Read pages of jobs. Each filter has an index that begins with its columns, continues with the
+ * state and ends in the id. So a page is the merged head of one range per state, and no more ids
+ * are read than one page per state, however many jobs there are. */
 #include "store/page.h"
 #include "store/query.h"
 
@@ -32,7 +32,7 @@ static enum sql statement_for(const store_job_filter *f) {
     return f->by_owner ? SQL_JOBS_BY_OWNER : SQL_JOBS_BY_STATE;
 }
 
-/* The `limit` newest ids of one state. */
+/* Add the `limit` newest ids of one state. */
 static int add_ids(store *s, const store_job_filter *f, enum store_state state, size_t limit,
                    id_list *list, shear_error *err) {
     bool row = false;

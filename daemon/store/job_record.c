@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job as its readers see it, and its attempts. */
+/* Read a job and its attempts. */
 #include "store/query.h"
 
 #include <inttypes.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers that triggers keep (schema.c), and the retention of finished jobs. */
+/* Read the numbers that triggers keep (schema.c), and retire finished jobs. */
 #include "store/operation.h"
 #include "store/query.h"
 
@@ -50,7 +50,7 @@ int store_total(store *s, store_totals *totals, shear_error *err) {
     return code;
 }
 
-/* The oldest finished jobs, at most `n`. *gone is added to. */
+/* Retire the oldest finished jobs, at most `n`, and add their number to *gone. */
 static int retire_some(store *s, int64_t before_ms, int64_t n, int64_t *gone, shear_error *err) {
     if (n <= 0)
         return SHEAR_OK;

@@ -17,7 +17,7 @@ static void roll_back(store *s) {
         run(s, SQL_ROLLBACK, NULL);
 }
 
-/* SQLite rolls a whole transaction back after some errors, even those of a query between two
+/* SQLite rolls back a whole transaction after some errors, even those of a query between two
  * operations. */
 static bool is_lost(store *s) {
     s->group_lost = s->group_lost || !in_transaction(s);

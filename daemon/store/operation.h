@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/operation.h: an operation is all or nothing: a transaction of its own, or a savepoint in
- * the group that is open. */
+/* store/operation.h: an operation is atomic: a transaction of its own, or a savepoint in the open
+ * group. */
 #ifndef SHEARD_STORE_OPERATION_H
 #define SHEARD_STORE_OPERATION_H
 
@@ -8,16 +8,16 @@
 
 #include <assert.h>
 
-/* Called within an operation. */
+/* Assert that an operation is open. */
 #define OPERATION_ASSERT_OPEN(s) assert(sqlite3_get_autocommit((s)->db) == 0)
 
 int operation_begin(store *s, shear_error *err);
-/* After a successful begin, always: keep what was done where `code` is SHEAR_OK, else undo it.
- * Returns `code`, or why it could not be kept. */
+/* End an operation after a successful begin: keep its changes if `code` is SHEAR_OK, otherwise undo
+ * them. Return `code`, or the error that prevents keeping them. */
 int operation_end(store *s, int code, shear_error *err);
 
-/* The work, an expression that is an error code, as one operation. The code of that, or why it
- * could not begin or be kept. */
+/* Run `work`, an expression that gives an error code, as one operation. The value is that code, or
+ * the error of beginning or ending the operation. */
 #define OPERATION(s, work, err)                                                                    \
     __extension__({                                                                                \
         const int operation_begun_ = operation_begin((s), (err));                                  \

@@ -58,8 +58,8 @@ int query_step(query *q, bool *row, shear_error *err) {
     if (rc == SQLITE_ROW || rc == SQLITE_DONE)
         return SHEAR_OK;
     const int code = database_fail(q->s->db, q->s->path, rc, q->doing, err);
-    /* Once the database is ours, nobody else can hold a lock, unless the file system does not
-     * keep them. */
+    /* While the store holds its lock, nobody else can have one, unless the file system does not
+     * support locks. */
     if (code == STORE_LOCKED) {
         return shear_fail(err, SHEAR_E_IO, "keep the state directory on a local file system",
                           "%s: lost its lock", q->s->path);
@@ -110,7 +110,7 @@ void query_end(query *q) {
         q->stmt = NULL;
     } else if (q->stmt != NULL) {
         sqlite3_reset(q->stmt);
-        /* Texts of the caller's must not be looked at again. */
+        /* The bound texts are the caller's and may be freed now. */
         sqlite3_clear_bindings(q->stmt);
     }
 }

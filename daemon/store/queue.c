@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which job runs next, and the ends of a running one without a result. */
+/* Start the next job, and end a running one without a result: failed, released, cancelled. */
 #include "base/text.h"
 #include "store/job.h"
 #include "store/operation.h"
@@ -134,7 +134,7 @@ static int fail(store *s, int64_t id, const store_failure *f, enum store_state *
     return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
 }
 
-/* Nothing is told where nothing has happened. */
+/* Return `code`; on error reset *state. */
 static int keep_state(int code, enum store_state *state) {
     *state = code == SHEAR_OK ? *state : STORE_QUEUED;
     return code;

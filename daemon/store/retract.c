@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What was counted is taken back: exactly, because the sums are integers. */
+/* Retract a job's contribution: exact, because the sums are integers. */
 #include "store/field_row.h"
 #include "store/operation.h"
 #include "store/query.h"
@@ -11,7 +11,7 @@
 typedef struct counted {
     int64_t id, field;
     int64_t n_stamps, n_used, counted_ms;
-    int64_t jobs; /* of the field, this one among them; 0: it is gone (store_forget) */
+    int64_t jobs; /* of the field, including this one; 0: the field was forgotten */
     char *packed, *field_packed;
 } counted;
 
@@ -42,7 +42,7 @@ static int find_counted(store *s, int64_t job, counted *c, shear_error *err) {
     return query_got(&q, err);
 }
 
-/* The field's sums without the contribution's, which has gone. */
+/* Compute the field's sums without the contribution, which has been removed. */
 static int subtract(store *s, const counted *c, char **packed, shear_error *err) {
     shear_influence top;
     CLEANUP(shear_field_sums_release) shear_field_sums *field = NULL;
@@ -93,7 +93,7 @@ static int check_counted(const store_job *job, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Take back what a done job contributed. */
+/* Remove what a done job contributed. */
 static int retract_counted(store *s, int64_t id, shear_error *err) {
     CLEANUP(counted_deinit) counted c = {0};
     int code = find_counted(s, id, &c, err);
@@ -119,7 +119,7 @@ int store_retract(store *s, int64_t id, shear_error *err) {
     return OPERATION(s, retract(s, id, err), err);
 }
 
-/* ---- catalogs that are to go ---- */
+/* ---- catalogs that are to be removed ---- */
 
 int store_next_leftover(store *s, int64_t after, int64_t *id, char **path, shear_error *err) {
     bool row = false;

@@ -3,20 +3,20 @@
 
 #include <stdio.h>
 
-/* Numbers for state, outcome, origin, class and ending are those of store.h.
+/* The numbers for state, outcome, origin, class and ending are those of codes.h.
  *
- * No statement may cost more because more jobs have finished: what is asked for often has an index
- * that holds only the few rows concerned (queue, waiting, pending), and what would have to be
- * counted is kept (counts, totals). */
+ * No statement may cost more because more jobs have finished: what is read often has an index that
+ * holds only the few rows concerned (queue, waiting, pending), and what would have to be counted is
+ * stored (counts, totals). */
 static const char *const version_1[] = {
-    /* `uses`: jobs and fields that name it. */
+    /* uses: number of jobs and fields that refer to it */
     "CREATE TABLE settings("
     " digest TEXT NOT NULL PRIMARY KEY,"
     " text TEXT NOT NULL,"
     " uses INTEGER NOT NULL DEFAULT 0"
     ") STRICT, WITHOUT ROWID",
 
-    /* AUTOINCREMENT: the id of a retired job is not given again. */
+    /* AUTOINCREMENT: the id of a retired job is not used again. */
     "CREATE TABLE jobs("
     " id INTEGER PRIMARY KEY AUTOINCREMENT,"
     " state INTEGER NOT NULL DEFAULT 0 CHECK (state BETWEEN 0 AND 5),"
@@ -39,7 +39,7 @@ static const char *const version_1[] = {
     " elapsed_us INTEGER NOT NULL DEFAULT 0,"
     " duplicate_of INTEGER NOT NULL DEFAULT 0,"
     " failure_class INTEGER NOT NULL DEFAULT 0,"
-    " field TEXT," /* asked for or learned */
+    " field TEXT," /* requested, or from the file */
     " field_asked TEXT,"
     " source TEXT NOT NULL,"
     " settings TEXT NOT NULL," /* digest */
@@ -51,7 +51,7 @@ static const char *const version_1[] = {
     " result TEXT,"
     " catalogue TEXT"
     ") STRICT",
-    /* For pages: each ends in the id. */
+    /* For pages: each index ends in the id. */
     "CREATE INDEX jobs_state ON jobs(state)", "CREATE INDEX jobs_owner ON jobs(owner, state)",
     "CREATE INDEX jobs_field ON jobs(field, state)",
     "CREATE INDEX jobs_owner_field ON jobs(owner, field, state)",
@@ -93,7 +93,7 @@ static const char *const version_1[] = {
     ") STRICT",
 
     /* Outlives its job, so that a duplicate is recognised after the job was retired: no foreign
-     * key. A forced job may have the identity of another one; a job has one row at most. */
+       key. A forced job may have the identity of another one. A job has at most one row. */
     "CREATE TABLE contributions("
     " id INTEGER PRIMARY KEY,"
     " field INTEGER NOT NULL REFERENCES fields(id),"
@@ -130,7 +130,7 @@ static const char *const version_1[] = {
     ") STRICT",
     "INSERT INTO totals(id) VALUES (1)",
 
-    /* Triggers, so that no way of changing a job can forget the numbers. */
+    /* Triggers, so that no change of a job can miss the numbers. */
     "CREATE TRIGGER job_added AFTER INSERT ON jobs BEGIN"
     " UPDATE counts SET n = n + 1 WHERE state = NEW.state;"
     " UPDATE totals SET submitted = submitted + 1 WHERE id = 1;"
@@ -175,8 +175,9 @@ static const char *const version_1[] = {
     " END",
     NULL};
 
-/* With which groups a job's owner asked: kept once for all jobs that came with the same. NULL in
- * jobs: not known (jobs of version 1, and files of the watch folder, which are the service's). */
+/* The groups that a job's owner had when submitting, stored once for all jobs with the same ones.
+ * NULL in jobs: not known (jobs of version 1, and files of the watch folder, which belong to the
+ * service). */
 static const char *const version_2[] = {
     "CREATE TABLE credentials("
     " id INTEGER PRIMARY KEY,"
@@ -185,7 +186,7 @@ static const char *const version_2[] = {
     " uses INTEGER NOT NULL DEFAULT 0,"
     " UNIQUE (gid, supplementary)"
     ") STRICT",
-    /* No foreign key: it would look through all jobs whenever credentials go. */
+    /* No foreign key: deleting credentials would search all jobs. */
     "ALTER TABLE jobs ADD COLUMN credentials INTEGER",
     "CREATE TRIGGER credentials_used AFTER INSERT ON jobs WHEN NEW.credentials IS NOT NULL BEGIN"
     " UPDATE credentials SET uses = uses + 1 WHERE id = NEW.credentials;"
@@ -196,8 +197,8 @@ static const char *const version_2[] = {
     " END",
     NULL};
 
-/* The terms of stamps where estimator = pdf-sym (shear_symmetry_bytes): of a checkpoint in pieces
- * that end before a block, of a contribution in parts of bounded size. */
+/* The terms of stamps for estimators that need them (shear_symmetry_bytes): of a checkpoint in
+ * pieces that end before a block, of a contribution in parts of bounded size. */
 static const char *const version_3[] = {
     "CREATE TABLE checkpoint_terms("
     " job INTEGER NOT NULL REFERENCES checkpoints(job) ON DELETE CASCADE,"
@@ -214,8 +215,8 @@ static const char *const version_3[] = {
     NULL};
 
 static const char *const version_4[] = {
-    /* What was counted, for the field's report: `account` is a text of the caller's. Jobs of before
-     * have left their result, as long as they are kept: what can be had from it is taken. */
+    /* What the field's report needs; `account` is a text of the caller's. Older jobs that are still
+       kept have a result, from which it is taken. */
     "ALTER TABLE contributions ADD COLUMN account TEXT",
     "ALTER TABLE contributions ADD COLUMN elapsed_us INTEGER NOT NULL DEFAULT 0",
     "ALTER TABLE contributions ADD COLUMN true_g1 REAL", /* null: not known */
@@ -228,7 +229,7 @@ static const char *const version_4[] = {
     " WHERE EXISTS (SELECT 1 FROM jobs WHERE id = contributions.job AND json_valid(result))",
     "UPDATE fields SET elapsed_us = (SELECT coalesce(sum(elapsed_us), 0) FROM contributions"
     "  INDEXED BY contributions_order WHERE field = fields.id)",
-    /* Its ends tell whether all truths of a field are the same. */
+    /* The first and last entry of a field show whether all its truths are the same. */
     "CREATE INDEX contributions_truth ON contributions(field, true_g1, true_g2)",
     "CREATE TRIGGER contribution_added AFTER INSERT ON contributions BEGIN"
     " UPDATE fields SET elapsed_us = elapsed_us + NEW.elapsed_us WHERE id = NEW.field;"
@@ -237,25 +238,25 @@ static const char *const version_4[] = {
     " UPDATE fields SET elapsed_us = elapsed_us - OLD.elapsed_us WHERE id = OLD.field;"
     " END",
 
-    /* Why jobs wait: looked at often, while there may be very many of them. */
+    /* Why jobs wait: read often, while there may be very many of them. */
     "CREATE INDEX jobs_waiting_reason ON jobs(code, not_before_ms, attempts, state) WHERE state = "
     "2",
 
-    /* Files of the watch folder by their names, jobs whose contribution was taken back, and which
-     * database this is. A check cannot be altered: its text is changed, as SQLite's ALTER TABLE
-     * page says (it describes no bytes on disk). */
+    /* Names of dropped files, retracted jobs, and the database's identity. A check cannot be
+       altered, so its text is changed as SQLite's ALTER TABLE page describes (it describes no bytes
+       on disk). */
     "PRAGMA writable_schema = ON",
     "UPDATE sqlite_schema SET sql = replace(sql, 'CHECK (state BETWEEN 0 AND 5)',"
     " 'CHECK (state BETWEEN 0 AND 6)') WHERE type = 'table' AND name = 'jobs'",
     "PRAGMA writable_schema = RESET", "INSERT INTO counts VALUES (6, 0)",
 
-    /* Made by chance, kept for ever: what lies beside the database (catalogs) is marked with it.
-     */
+    /* Random and permanent: what belongs to the database but is outside it (catalogs) is marked
+       with it. */
     "CREATE TABLE identity(id INTEGER PRIMARY KEY CHECK (id = 1), text TEXT NOT NULL) STRICT",
     "INSERT INTO identity VALUES (1, lower(hex(randomblob(16))))",
 
-    /* The name in incoming/; where the file lies since the job is final ("failed/NAME"), and what
-     * tells it from another file that is put there. NULL: not known, or no such file. */
+    /* dropped: name in incoming/. resting: where the file of a final job is ("failed/NAME");
+       resting_print: its fingerprint. NULL: not known, or no such file. */
     "ALTER TABLE jobs ADD COLUMN dropped TEXT", "ALTER TABLE jobs ADD COLUMN resting TEXT",
     "ALTER TABLE jobs ADD COLUMN resting_print TEXT",
     "UPDATE jobs SET dropped = substr(old.path, instr(old.path, old.mark) + length(old.mark))"
@@ -265,7 +266,7 @@ static const char *const version_4[] = {
     " WHERE jobs.id = old.id AND instr(old.path, old.mark) > 0",
 
     "ALTER TABLE totals ADD COLUMN retracted INTEGER NOT NULL DEFAULT 0",
-    /* A retracted job's catalog, until its file is gone. */
+    /* catalogs of retracted jobs, until their files are removed */
     "CREATE INDEX jobs_leftover ON jobs(id) WHERE state = 6 AND catalogue IS NOT NULL",
     "DROP TRIGGER job_finished",
     "CREATE TRIGGER job_finished AFTER UPDATE OF state ON jobs"
@@ -292,8 +293,8 @@ static const char *const version_4[] = {
     NULL};
 
 static const char *const version_5[] = {
-    /* Fields that are gone, and whose contributions are still to go: these refer to no field then.
-     * A foreign key cannot be altered: as the check above. */
+    /* Removed fields whose contributions are still to be removed, and so refer to no field. A
+       foreign key cannot be altered; its text is changed like that of the check above. */
     "CREATE TABLE forgotten("
     " id INTEGER PRIMARY KEY AUTOINCREMENT,"
     " field INTEGER NOT NULL UNIQUE,"
@@ -306,16 +307,16 @@ static const char *const version_5[] = {
 
 /* The noise level, the stamp that counts most, and a seventh number in a stamp's terms. */
 static const char *const version_6[] = {
-    /* Null: not known, as of all that was counted before. The index finds a field's largest, and
-     * whether one is not known. */
+    /* Null: not known, as for all contributions of older versions. The index finds a field's
+       largest value, and whether one is null. */
     "ALTER TABLE contributions ADD COLUMN top_size REAL",
     "ALTER TABLE contributions ADD COLUMN top_stamp INTEGER",
     "CREATE INDEX contributions_top ON contributions(field, top_size DESC, top_stamp)",
-    /* How long a stamp's terms are in the row: old rows stay as they are, there may be gigabytes of
-     * them. */
+    /* The size of a stamp's terms in the row. Old rows are not converted: there may be gigabytes of
+       them. */
     "ALTER TABLE contribution_terms ADD COLUMN stamp_bytes INTEGER NOT NULL DEFAULT 48",
-    /* A job that went on from sums without noise parts would tell a wrong noise level: jobs that
-     * were stopped begin again. */
+    /* A job that resumed from sums without noise parts would have a wrong noise level: jobs that
+       were stopped begin again. */
     "DELETE FROM checkpoint_terms", "DELETE FROM checkpoints", NULL};
 
 const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/schema.h: the tables, and the way from every older version of them to the present one. */
+/* store/schema.h: the tables, and the migration from every older version of them. */
 #ifndef SHEARD_STORE_SCHEMA_H
 #define SHEARD_STORE_SCHEMA_H
 
@@ -10,12 +10,12 @@ enum {
     SCHEMA_VERSION = 6
 };
 
-/* A step to the next version: statements, NULL at the end. Steps that were released are never
- * changed: a new version is a new step. */
+/* The statements of a step to the next version, ending in NULL. Released steps are never changed: a
+ * new version is a new step. */
 typedef const char *const *schema_step;
 
-/* Bring a database from version `from` to version `to` within the transaction that is open;
- * steps[v] leads from v to v + 1. */
+/* Migrate a database from version `from` to version `to` within the open transaction; steps[v]
+ * leads from v to v + 1. */
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
                    shear_error *err);
 extern const schema_step schema_steps[SCHEMA_VERSION];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* INDEXED BY makes the plan part of the statement: without that index it does not compile, so no
- * change of the schema can turn one of them into a scan unnoticed. Literal states are there because
- * a partial index is used only where the statement repeats its condition. */
+/* INDEXED BY makes the query plan part of the statement: without the index it does not compile, so
+ * no change of the schema can turn it into a scan unnoticed. States are literals because SQLite
+ * uses a partial index only if the statement repeats the index's condition. */
 #include "store/sql.h"
 
 #define FIELD_RECORD                                                                               \
@@ -108,7 +108,7 @@ const char *const sql_texts[SQL_N] = {
         " ON c.field = f.id WHERE f.name = ?1 AND f.settings = ?2"
         " AND c.content = ?3 ORDER BY c.id LIMIT 1",
     [SQL_FIELD_FIND] = "SELECT id, sums FROM fields WHERE name = ?1 AND settings = ?2",
-    /* Its number is not that of a forgotten field whose contributions are still there. */
+    /* The new id is not that of a forgotten field whose contributions still exist. */
     [SQL_FIELD_ADD] =
         "INSERT INTO fields(id, name, settings, sums, n_stamps, n_used, updated_ms, jobs)"
         " VALUES (1 + max((SELECT coalesce(max(id), 0) FROM fields),"
@@ -116,7 +116,7 @@ const char *const sql_texts[SQL_N] = {
     [SQL_FIELD_JOIN] =
         "UPDATE fields SET sums = ?2, n_stamps = n_stamps + ?3, n_used = n_used + ?4,"
         " updated_ms = max(updated_ms, ?5), jobs = jobs + 1 WHERE id = ?1",
-    /* After the contribution has gone. */
+    /* after the contribution has been removed */
     [SQL_FIELD_LEAVE] =
         "UPDATE fields SET sums = ?2, n_stamps = n_stamps - ?3, n_used = n_used - ?4,"
         " jobs = jobs - 1, updated_ms = iif(updated_ms > ?5, updated_ms, (SELECT max(counted_ms)"
@@ -142,7 +142,7 @@ const char *const sql_texts[SQL_N] = {
         " LEFT JOIN jobs j ON j.id = c.job WHERE g.id > 0 ORDER BY g.id LIMIT 1",
     [SQL_FORGOTTEN_DROP] = "DELETE FROM forgotten WHERE id = ?1",
 
-    /* A null, not known, hides all others. */
+    /* one null (not known) makes the result null */
     [SQL_FIELD_TOP] =
         "SELECT iif(EXISTS (SELECT 1 FROM contributions INDEXED BY contributions_top"
         "   WHERE field = ?1 AND top_size IS NULL), NULL, top_size), top_stamp, account"
@@ -157,7 +157,7 @@ const char *const sql_texts[SQL_N] = {
         " WHERE c.field = ?1 ORDER BY c.id, t.part",
 
     [SQL_LAST_JOB] = "SELECT seq FROM sqlite_sequence WHERE name = 'jobs'",
-    /* The order of store_job's members. */
+    /* in the order in which job_record.c reads store_job's members */
     [SQL_JOB_GET] =
         "SELECT id, state, outcome, origin, priority, forced, cancel_asked, owner,"
         " attempts, failures, interrupted, attempt, created_ms, started_ms, finished_ms,"
@@ -183,7 +183,7 @@ const char *const sql_texts[SQL_N] = {
                           " WHERE field = ?1 AND state < 3",
     [SQL_FIELDS] = FIELD_RECORD " WHERE (f.name, f.settings) > (?1, ?2)"
                                 " ORDER BY f.name, f.settings LIMIT ?3",
-    /* A null, no truth, sorts first. */
+    /* nulls (no truth) sort first */
     [SQL_FIELD_LEAST_TRUTH] =
         "SELECT true_g1, true_g2 FROM contributions INDEXED BY contributions_truth"
         " WHERE field = ?1 ORDER BY true_g1, true_g2 LIMIT 1",
@@ -195,7 +195,7 @@ const char *const sql_texts[SQL_N] = {
                           " WHERE field = ?1 AND id > ?2 ORDER BY id LIMIT ?3",
     [SQL_CONTRIBUTION_SUMS] = "SELECT sums FROM contributions WHERE id = ?1",
     [SQL_COUNTS] = "SELECT state, n FROM counts",
-    /* The order of store_totals' members. */
+    /* in the order of store_totals' members */
     [SQL_TOTALS] = "SELECT submitted, counted, duplicates, failed, cancelled, retired, attempts,"
                    " interrupted, 0, failures_transient, failures_data, failures_bug, n_stamps,"
                    " n_used, elapsed_us, fields, retracted FROM totals WHERE id = 1",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/sql.h: every statement the store runs on jobs and fields, by name. */
+/* store/sql.h: the statements that the store runs on jobs and fields, by name. */
 #ifndef SHEARD_STORE_SQL_H
 #define SHEARD_STORE_SQL_H
 

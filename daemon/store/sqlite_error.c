@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* SQLite's errors as errors of the store. */
+/* Convert SQLite's errors to errors of the store. */
 #include "store/database.h"
 #include "store/lock.h"
 
@@ -39,7 +39,7 @@ static const meaning *meaning_of(int rc) {
     return &bug;
 }
 
-/* Some extended codes of "I/O error" are something else. */
+/* Some extended codes of "I/O error" are other errors. */
 static int primary_of(int rc) {
     switch (rc) {
     case SQLITE_IOERR_NOMEM:
@@ -52,9 +52,8 @@ static int primary_of(int rc) {
     }
 }
 
-/* A sync, a truncation or the log's index may meet the full disk too: SQLite calls these I/O
- * errors.
- */
+/* A sync, a truncation or the log's index may fail on a full disk, too, which SQLite reports as an
+ * I/O error. */
 static const meaning *when_full(const meaning *m, int system_errno) {
     const bool full = system_errno == ENOSPC || system_errno == EDQUOT;
     return m->code == SHEAR_E_IO && full ? meaning_of(SQLITE_FULL) : m;
@@ -66,8 +65,7 @@ int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shea
     const meaning *m = when_full(said, system_errno);
     if (m->code == STORE_LOCKED)
         return lock_fail(path, err);
-    /* What was being done comes last: it may be a long statement, which the message's end cuts off.
-     */
+    /* The statement comes last: it may be long, and the end of a message is cut off. */
     return shear_fail(err, m->code, m->advice, "%s: %s%s%s (SQLite error %d) while doing: %s", path,
                       db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(rc),
                       system_errno != 0 ? ": " : "",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opening and closing. */
+/* Open and close the store. */
 #include "store/store.h"
 
 #include "store/job.h"
@@ -17,8 +17,8 @@ static void close_failed(store **s) {
     store_close(*s);
 }
 
-/* With a slash at least: SQLite takes "file:..." for a URI, "" and ":memory:" for databases without
- * a file. */
+/* Store the path with at least one slash: SQLite takes "file:..." as a URI, and "" and ":memory:"
+ * as databases without a file. */
 static int set_path(store *s, const char *path, shear_error *err) {
     const char *here = path[0] == '/' ? "" : "./";
     if (path[0] == '\0' || strlen(path) + strlen(here) >= sizeof s->path) {
@@ -29,7 +29,7 @@ static int set_path(store *s, const char *path, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Within the transaction that database_connect left open. */
+/* Make or migrate the schema in the transaction that database_connect left open, and commit. */
 static int bring_up_to_date(store *s, int version, shear_error *err) {
     s->opening.created = version < 0;
     s->opening.version = SCHEMA_VERSION;
@@ -58,7 +58,8 @@ static int read_identity(store *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* No job can run while the database is being opened: those marked so ran when the service died. */
+/* No job can run while the database is being opened: jobs marked so were running when the service
+ * died. */
 static int requeue_running(store *s, int64_t now_ms, shear_error *err) {
     for (;;) {
         int64_t id = 0;
@@ -121,7 +122,7 @@ void store_close(store *s) {
         return;
     for (int i = 0; i < SQL_N; i++)
         sqlite3_finalize(s->statements[i]);
-    /* An open transaction is rolled back; the log is brought into the database and removed. */
+    /* rolls back an open transaction, and copies the log into the database and removes it */
     sqlite3_close(s->db);
     if (s->lock >= 0)
         close(s->lock);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Jobs are submitted, and submitted again. */
+/* Submit jobs, and retry them. */
 #include "store/job.h"
 #include "store/operation.h"
 
@@ -25,7 +25,7 @@ static int check_spec(const store_spec *p, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* The parameters that SQL_KEY_FIND and SQL_JOB_ADD have in common. */
+/* Bind the parameters that SQL_KEY_FIND and SQL_JOB_ADD have in common. */
 static query query_spec(store *s, enum sql which, const store_spec *p) {
     query q = query_on(s, which);
     query_int(&q, p->owner);
@@ -39,7 +39,7 @@ static query query_spec(store *s, enum sql which, const store_spec *p) {
     return q;
 }
 
-/* The job that has this owner's key; *id is 0 where there is none. */
+/* Find the job with this owner's key; *id is 0 if there is none. */
 static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err) {
     bool row = false;
     *id = 0;
@@ -80,7 +80,7 @@ static int keep_settings(store *s, const store_spec *p, shear_error *err) {
     return query_run(&add, err);
 }
 
-/* The number of these groups; 0 where they are not known. */
+/* Find or add the groups; *number is 0 if they are not known. */
 static int keep_credentials(store *s, const store_spec *p, int64_t *number, shear_error *err) {
     *number = 0;
     if (p->groups == NULL)
@@ -153,7 +153,7 @@ static int find_dropped(store *s, uint32_t owner, const char *key, const char *d
     query_end(&find);
     if (code != SHEAR_OK || *id == 0 || named)
         return code;
-    query name = query_on(s, SQL_DROPPED_SET); /* a job of an older version's */
+    query name = query_on(s, SQL_DROPPED_SET); /* the job of an older version */
     query_int(&name, *id);
     query_text(&name, dropped);
     return query_run(&name, err);

@@ -20,17 +20,17 @@ int sums_parse_given(shear_field_sums **sums, const char *text, shear_error *err
                : code;
 }
 
-/* What follows: the text as it is, or with each long run of n zeros as "zN.". */
+/* Marks at the beginning of a packed text: unchanged, or with each long run of n zeros as "zN.". */
 static const char plain[] = "t:";
 static const char counted[] = "z:";
 enum { MARK = 2 };
-enum { SHORTEST_RUN = 6 }; /* shorter ones are not worth it */
+enum { SHORTEST_RUN = 6 }; /* shorter ones would save nothing */
 
 static int no_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
 }
 
-/* A run's count takes no more bytes than the zeros did. */
+/* A run's count needs no more bytes than the zeros did. */
 static void count_zeros(const char *text, char *out, size_t size) {
     while (*text != '\0') {
         const size_t zeros = strspn(text, "0");
@@ -62,7 +62,7 @@ int sums_pack(const char *text, char **packed, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Read "zN." at *at, which moves behind it. Returns N, or 0 for anything else. */
+/* Read "zN." at *at and advance *at behind it. Return N, or 0 if it is not a run. */
 static size_t read_run(const char **at) {
     char *end = NULL;
     const unsigned long zeros = strtoul(*at + 1, &end, 10);

@@ -8,7 +8,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* Of a row of the database: far below SQLite's limit. */
+/* Size of a row of the database, far below SQLite's limit. */
 enum { PART_STAMPS = 1 << 14, PART_BYTES = PART_STAMPS * SHEAR_SYMMETRY_BYTES };
 enum { OLD_STAMP_BYTES = 48 };
 
@@ -26,7 +26,7 @@ int terms_check(const unsigned char *bytes, size_t size, shear_error *err) {
                             "%zu bytes are no terms of stamps", size);
 }
 
-/* Drop the checkpoint's terms from from_block on, and tell the block before which the rest ends. */
+/* Drop the checkpoint's terms from from_block on; *end is the block before which the rest ends. */
 static int cut(store *s, int64_t job, int64_t from_block, int64_t *end, shear_error *err) {
     query drop = query_on(s, SQL_CHECKPOINT_TERMS_CUT);
     query_int(&drop, job);
@@ -76,7 +76,7 @@ int terms_add_contribution(store *s, const unsigned char *bytes, size_t size, sh
     return code;
 }
 
-/* Terms as version 0.1 kept them: without the last number, which is 0 then. */
+/* Add terms as version 0.1 stored them: without the last number, which is 0. */
 static int add_old(const unsigned char *bytes, size_t size, shear_symmetry *terms,
                    shear_error *err) {
     unsigned char stamp[SHEAR_SYMMETRY_BYTES] = {0};
@@ -107,7 +107,8 @@ static int add_rows(query *q, shear_symmetry *terms, shear_error *err) {
     }
 }
 
-/* All rows of a query of blobs and their stamps' length, which has its parameters. */
+/* Add all rows of a query that returns blobs and the size of a stamp in them. After an error
+ * `terms` is unchanged. */
 static int read_all(query *q, shear_symmetry *terms, shear_error *err) {
     const size_t before = shear_symmetry_count(terms);
     const int code = add_rows(q, terms, err);
@@ -120,7 +121,7 @@ static int read_all(query *q, shear_symmetry *terms, shear_error *err) {
 int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, shear_error *err) {
     query q = query_on(s, SQL_CHECKPOINT_TERMS);
     query_int(&q, id);
-    query_int(&q, SHEAR_SYMMETRY_BYTES); /* there are no older ones: schema version 6 */
+    query_int(&q, SHEAR_SYMMETRY_BYTES); /* schema version 6 has dropped older ones */
     return read_all(&q, terms, err);
 }
 
