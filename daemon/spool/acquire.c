@@ -11,9 +11,9 @@
 
 enum { RETRY_MS = 1000 }; /* after a file could not be acquired */
 
-/* Who made a file here closes it one day, and then it is announced. That it stands still tells
- * little before: a writer may pause. But some files are complete when their name appears, and never
- * announced (linkat of an unnamed file), so it is given up after a while. */
+/* A file that was created here is announced when its writer closes it. Until then, not changing
+ * means little: a writer may pause. But some files are complete when their name appears and are
+ * never announced (linkat of an unnamed file), so the wait is limited. */
 enum { BEGUN_PATIENCE = 12, BEGUN_LEAST_MS = 2000 };
 
 static int64_t patience_ms(const spool *s, enum candidate_state state) {
@@ -33,7 +33,7 @@ int64_t acquire_next_ms(const spool *s) {
     return next_ms;
 }
 
-/* It has had its time: has it stood still? */
+/* The file's time is over: make it ready if it has not changed. */
 static void check_settled(spool *s, candidate *file) {
     struct stat st;
     if (!examine_is_regular(s, file, &st))
@@ -74,8 +74,9 @@ static void put_off(spool *s, candidate *file, int error) {
     candidates_set_state(&s->candidates, file, CANDIDATE_SETTLING);
 }
 
-/* Between the last look and the rename, somebody may have put another file there, or have begun to
- * write to it. Then it goes back, unless the name is taken again: better early than lost. */
+/* Between the last check and the rename, another file may have got the name, or the file may have
+ * been opened for writing. Then move it back, unless its name is taken again: acquiring it early is
+ * better than losing it. */
 static bool caught_the_wrong_one(spool *s, const candidate *file, const char *active_name) {
     struct stat st;
     if (folder_stat(&s->folders, ACTIVE, active_name, &st) != 0)
@@ -85,7 +86,7 @@ static bool caught_the_wrong_one(spool *s, const candidate *file, const char *ac
            folder_move(&s->folders, ACTIVE, active_name, INCOMING, file->name) == 0;
 }
 
-/* The file is in active/, and listed. Returns 0 or errno. */
+/* Move the file to active/ and list it. Return 0 or errno. */
 static int move_to_active(spool *s, const candidate *file, char active_name[NAME_SIZE]) {
     int error = name_make_active(active_name, file->name, s->counter++);
     if (error != 0)
@@ -119,7 +120,8 @@ static void acquire(spool *s, candidate *file, const struct stat *st) {
     s->stats.active++;
 }
 
-/* Still what was found ready? Its mode or owner may have changed. */
+/* Acquire the file if it is still the one that was found ready; its mode and owner may have
+ * changed. */
 static void acquire_if_unchanged(spool *s, candidate *file) {
     struct stat st;
     if (!examine_is_regular(s, file, &st))

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/acquire.h: from incoming/ to active/. */
+/* spool/acquire.h: when a dropped file is complete, and its move from incoming/ to active/. */
 #ifndef SHEARD_SPOOL_ACQUIRE_H
 #define SHEARD_SPOOL_ACQUIRE_H
 
 #include "spool/spool.h"
 
-/* Files that have stood still for long enough are ready. True: there is more to do at once. */
+/* Make files ready that have not changed for long enough. Return true if there is more to do at
+ * once. */
 bool acquire_settled(spool *s);
-/* When acquire_settled has something to do. */
+/* Return when acquire_settled is due next, on the monotonic clock; INT64_MAX: never. */
 int64_t acquire_next_ms(const spool *s);
-/* Move those that are ready, as many as the owner allows. True: as above. */
+/* Move ready files to active/, as many as the owner's capacity allows. Return true if there are
+ * more. */
 bool acquire_ready(spool *s);
 
 #endif

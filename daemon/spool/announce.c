@@ -22,7 +22,7 @@ static void announce(spool *s, const char *active_name, bool again) {
                                                  error == 0 ? st.st_uid : (uid_t)-1, again});
 }
 
-/* What the owner hears of is on disk, in this order: the new name, then the old one's end. */
+/* Bring what is reported to disk, in this order: the new name, then the removal of the old one. */
 static bool sync_moves(spool *s) {
     int error = folder_sync(&s->folders, ACTIVE);
     error = error != 0 ? error : folder_sync(&s->folders, INCOMING);
@@ -39,7 +39,7 @@ bool announce_files(spool *s) {
     if (!unacknowledged_pending(list) || (list->unsynced && !sync_moves(s)))
         return false;
     for (int i = 0; i < SPOOL_STEP_FILES && !s->closed && unacknowledged_pending(list); i++) {
-        /* Out of the list first: the owner may refuse it at once, or end it. */
+        /* Remove it from the list first: the owner may refuse or dispose of it at once. */
         CLEANUP(release_free) unacknowledged_file *one = unacknowledged_next(list);
         announce(s, one->active_name, one->again);
     }

@@ -25,7 +25,7 @@ void candidates_deinit(candidates *w) {
     candidates_init(w);
 }
 
-/* Index of the first name not before `name`. */
+/* Return the index of the first name that is not less than `name`. */
 static size_t place_of(const candidates *w, const char *name) {
     size_t low = 0;
     size_t high = w->n;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/candidates.h: the files of incoming/ as they are known: by name, and in a queue for each
+/* spool/candidates.h: the known files of incoming/, sorted by name, and in a queue for each
  * state. */
 #ifndef SHEARD_SPOOL_CANDIDATES_H
 #define SHEARD_SPOOL_CANDIDATES_H
@@ -12,9 +12,9 @@
 #include <sys/queue.h>
 
 enum candidate_state {
-    CANDIDATE_SETTLING, /* to stand still for a while; queue by since_ms */
-    CANDIDATE_BEGUN,    /* being written, it seems; queue by since_ms, too */
-    CANDIDATE_READY,    /* queue by arrival here */
+    CANDIDATE_SETTLING, /* must not change for a while; queue in the order of since_ms */
+    CANDIDATE_BEGUN,    /* probably being written; queue in the order of since_ms, too */
+    CANDIDATE_READY,    /* queue in the order of becoming ready */
     CANDIDATE_IGNORED,
     CANDIDATE_N_STATES
 };
@@ -23,9 +23,9 @@ typedef struct candidate {
     TAILQ_ENTRY(candidate) link;
     char *name;
     enum candidate_state state;
-    int reason;          /* why it is ignored: the caller's number; 0: not told yet */
-    uint64_t generation; /* the last scan that saw it */
-    int64_t since_ms;    /* settling, begun: it has this fingerprint since then */
+    int reason;          /* why it is ignored (examine.c); 0: not reported yet */
+    uint64_t generation; /* of the last scan that found it */
+    int64_t since_ms;    /* settling, begun: since when it has this fingerprint */
     file_fingerprint fingerprint;
 } candidate;
 TAILQ_HEAD(candidate_queue, candidate);
@@ -39,15 +39,15 @@ typedef struct candidates {
 
 void candidates_init(candidates *w);
 void candidates_deinit(candidates *w);
-candidate *candidates_find(const candidates *w, const char *name); /* or NULL */
-/* A new one, ignored; the name is not yet there. NULL: out of memory. */
+candidate *candidates_find(const candidates *w, const char *name); /* NULL: not found */
+/* Add a file, ignored; the name must not be there yet. Return NULL if out of memory. */
 candidate *candidates_add(candidates *w, const char *name);
 void candidates_remove(candidates *w, candidate *file);
-void candidates_forget_unseen(candidates *w,
-                              uint64_t generation); /* those that this scan did not see */
-/* Put it at the end of that state's queue. */
+/* Remove the records of all files that the scan with this generation did not find. */
+void candidates_forget_unseen(candidates *w, uint64_t generation);
+/* Move the file to the end of the queue of that state. */
 void candidates_set_state(candidates *w, candidate *file, enum candidate_state state);
-candidate *candidates_first(const candidates *w, enum candidate_state state); /* or NULL */
-candidate *candidates_next(const candidate *file); /* of the same state; or NULL */
+candidate *candidates_first(const candidates *w, enum candidate_state state); /* NULL: none */
+candidate *candidates_next(const candidate *file); /* of the same state; NULL: none */
 
 #endif

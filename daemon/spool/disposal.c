@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From active/ to done/ or failed/:
+/* Move a file from active/ to done/ or failed/:
  *
  *     write the undo log (undo_log.h)
- *     write the report to active/.ACTIVE_NAME.tmp, fsync; rename it to done/NAME.json, fsync of
- *     done/
- *     move the file; fsync of both
+ *     write the report to active/.ACTIVE_NAME.tmp and fsync it
+ *     rename the report to done/NAME.json and fsync done/
+ *     move the file and fsync both folders
  *     remove the undo log */
 #include "base/io.h"
 #include "spool/internal.h"
@@ -28,7 +28,7 @@ typedef struct disposal {
 
 /* ---- the target's name ---- */
 
-/* Is NAME.n or its report there? Returns 0 or errno. */
+/* Check whether NAME.n or its report exists. Return 0 or errno. */
 static int is_taken(const folders *f, const disposal *e, int64_t n, bool *taken) {
     char name[NAME_SIZE];
     char report[NAME_REPORT_SIZE];
@@ -41,8 +41,8 @@ static int is_taken(const folders *f, const disposal *e, int64_t n, bool *taken)
     return error == ENOENT ? 0 : error;
 }
 
-/* A free number just above a taken one, or 0: in steps that double, then by halves, for some
- * observatories call every file the same. */
+/* Choose a free number just above a used one, or 0. Search in doubling steps, then by bisection,
+ * since some observatories give all files the same name. Return 0 or errno. */
 static int choose_target(const folders *f, disposal *e) {
     int64_t below = -1;
     int64_t free_one = 0;
@@ -82,7 +82,7 @@ static int write_report(const folders *f, const disposal *e, const char *text) {
     return io_finish(fd, io_write(fd, text, strlen(text)));
 }
 
-/* The report is in its folder, on disk, and the file follows. */
+/* Move the file, after the report is in its folder. On error remove the report. */
 static int move_after_report(const folders *f, const disposal *e) {
     int error = folder_sync(f, e->folder);
     if (error == 0)
@@ -103,7 +103,7 @@ static int write_and_move(const folders *f, const disposal *e, const char *text)
     return error != 0 ? error : move_after_report(f, e);
 }
 
-/* Everything up to the move of the file; all undone where it fails. */
+/* Do everything up to the move of the file, or nothing. Return 0 or errno. */
 static int move_with_report(const folders *f, const disposal *e, const char *text) {
     const int error = write_and_move(f, e, text);
     if (error != 0) {
@@ -113,7 +113,7 @@ static int move_with_report(const folders *f, const disposal *e, const char *tex
     return error;
 }
 
-/* The last fsync, after which nothing is to be undone. */
+/* Do the last fsync; an error is not undone. */
 static int settle(const folders *f, const disposal *e) {
     const int error = folder_sync_move(f, e->folder);
     if (error == 0)

@@ -9,10 +9,10 @@
 #include <errno.h>
 #include <stdio.h>
 
-/* Reasons to ignore a file: the status of its name, and these. */
+/* Reasons to ignore a file: the status of its name, or one of these. */
 enum reason { IS_LINK = NAME_N_STATUSES, IS_DIRECTORY, IS_PIPE, IS_OTHER, UNREADABLE, N_REASONS };
 
-/* What it is, where it is no regular file. */
+/* Return the kind of a file that is not a regular one. */
 static enum reason kind_of(mode_t mode) {
     return S_ISLNK(mode)    ? IS_LINK
            : S_ISDIR(mode)  ? IS_DIRECTORY
@@ -20,7 +20,7 @@ static enum reason kind_of(mode_t mode) {
                             : IS_OTHER;
 }
 
-/* "" or "its name " before the text, which ends the sentence. */
+/* Return the text of a reason; *subject, "" or "its name ", precedes it. */
 static const char *reason_text(int reason, const char **subject) {
     static const char *const texts[N_REASONS] = {
         [IS_LINK] = "it is a symbolic link; put the file itself there",
@@ -52,7 +52,7 @@ size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t capacity) {
     for (const candidate *file = candidates_first(&s->candidates, CANDIDATE_IGNORED);
          file != NULL && n < capacity; file = candidates_next(file)) {
         if (file->reason == NAME_GOOD) {
-            continue; /* not looked at yet */
+            continue; /* not examined yet */
         }
         const char *subject = "";
         const char *text = reason_text(file->reason, &subject);
@@ -70,8 +70,8 @@ void examine_settle(spool *s, candidate *file, const struct stat *st, enum candi
     candidates_set_state(&s->candidates, file, state);
 }
 
-/* What follows from an event for a regular file. A second link is no file under construction; an
- * announced file that is empty may only be a name that somebody has reserved. */
+/* Return the state of a regular file after an event. A second link is not a file being written; an
+ * announced file that is empty may be a name that somebody has reserved. */
 static enum candidate_state state_after(enum watch_event event, const struct stat *st) {
     if (event == WATCH_BEGUN && st->st_nlink == 1)
         return CANDIDATE_BEGUN;

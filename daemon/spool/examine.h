@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/examine.h: what a file of incoming/ is. */
+/* spool/examine.h: which files of incoming/ are taken, ignored, or have to settle first. */
 #ifndef SHEARD_SPOOL_EXAMINE_H
 #define SHEARD_SPOOL_EXAMINE_H
 
@@ -7,11 +7,11 @@
 #include "spool/spool.h"
 #include "spool/watch.h"
 
-/* Look at it again, after `event`: it is ignored, or settles; where it is gone it is removed. */
+/* Examine a file after `event`: set its state, or remove it if it no longer exists. */
 void examine_file(spool *s, candidate *file, enum watch_event event);
-/* It has this fingerprint from now on, and this state. */
+/* Set the file's fingerprint, from *st, and state; its time starts now. */
 void examine_settle(spool *s, candidate *file, const struct stat *st, enum candidate_state state);
-/* True where it is a regular file still; else it is examined. */
+/* Fill *st and return true if the file is still a regular file. Otherwise examine it again. */
 bool examine_is_regular(spool *s, candidate *file, struct stat *st);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/fingerprint.h: what tells whether a file was touched. */
+/* spool/fingerprint.h: a file's fingerprint, by which a change of it is noticed. */
 #ifndef SHEARD_SPOOL_FINGERPRINT_H
 #define SHEARD_SPOOL_FINGERPRINT_H
 
@@ -14,8 +14,8 @@ typedef struct file_fingerprint {
 } file_fingerprint;
 
 file_fingerprint fingerprint_of(const struct stat *st);
-/* The same file with, as far as can be seen, the same content; its owner or mode may have changed,
- * and it may have been renamed. */
+/* Return true if it is the same file with, as far as can be seen, the same content. It may have
+ * been renamed, or its owner or mode changed; fingerprint_same excludes these, too. */
 bool fingerprint_same_content(const file_fingerprint *a, const file_fingerprint *b);
 bool fingerprint_same(const file_fingerprint *a, const file_fingerprint *b);
 

@@ -17,8 +17,8 @@ static const struct {
     const char *name;
     mode_t mode;
 } layout[N_FOLDERS] = {
-    /* Group-writable, sticky, and new files get the directory's group, so that the service can
-     * read what users drop with their own umask. */
+    /* Writable for the group, sticky, and new files get the directory's group, so that the service
+       can read what users drop with their own umask. */
     [INCOMING] = {"incoming", 03770},
     [ACTIVE] = {"active", 02750},
     [DONE] = {"done", 02750},
@@ -35,15 +35,16 @@ static int complain(shear_error *err, const char *path, const char *what, const 
                       "%s/%s: cannot %s: %s", path, name, what, strerror(errno));
 }
 
-/* Restricted services (RestrictSUIDSGID) may not set the group bit; then the group comes from the
- * parent directory, or from whoever installed the folders. */
+/* Set the mode. Restricted services (RestrictSUIDSGID) may not set the set-group-ID bit; then the
+ * group comes from the parent directory, or from whoever installed the folders. */
 static int set_mode(int fd, mode_t mode) {
     if (fchmod(fd, mode) == 0)
         return 0;
     return errno == EPERM ? fchmod(fd, mode & ~(mode_t)S_ISGID) : -1;
 }
 
-/* Folders that exist keep the mode that the administrator gave them. */
+/* Open a folder, made if it is missing. An existing one keeps the mode that the administrator gave
+ * it. */
 static int open_folder(const folders *f, enum folder folder, int *fd, shear_error *err) {
     const char *name = layout[folder].name;
     const bool made = mkdirat(f->root, name, 0700) == 0;
@@ -68,8 +69,8 @@ static int open_root(folders *f, shear_error *err) {
     return f->root < 0 ? complain(err, f->path, "open it", "") : SHEAR_OK;
 }
 
-/* The holder's process number is in the file, for the message; the lock itself is the kernel's and
- * ends with its holder. */
+/* Lock the spool. The file contains the holder's process number, for the message; the lock itself
+ * is the kernel's and ends with its holder. */
 static int acquire_lock(folders *f, shear_error *err) {
     char holder[24] = "";
     f->lock = openat(f->root, ".lock", O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0640);
@@ -77,7 +78,7 @@ static int acquire_lock(folders *f, shear_error *err) {
         return complain(err, f->path, "open it", ".lock");
     if (flock(f->lock, LOCK_EX | LOCK_NB) == 0) {
         const int n = snprintf(holder, sizeof holder, "%ld\n", (long)getpid());
-        /* For the message only: a full disk is no reason not to start. */
+        /* Only for the message: a full disk must not prevent a start. */
         if (ftruncate(f->lock, 0) != 0 || pwrite(f->lock, holder, (size_t)n, 0) != n)
             errno = 0;
         return SHEAR_OK;
@@ -91,7 +92,8 @@ static int acquire_lock(folders *f, shear_error *err) {
                       holder[0] != '\0' ? " (process " : "", holder, holder[0] != '\0' ? ")" : "");
 }
 
-/* Two mounts of one file system do not do either: a rename does not cross them. */
+/* Check that all folders are on one mount: a rename does not cross mounts, even of one file
+ * system. */
 static int check_one_mount(const folders *f, shear_error *err) {
     struct statx first;
     for (int i = 0; i < N_FOLDERS; i++) {
@@ -199,7 +201,7 @@ int folder_move(const folders *f, enum folder from, const char *name, enum folde
         return 0;
     if (errno != EINVAL && errno != ENOSYS)
         return errno;
-    /* Network file systems have no such rename. Nobody but us puts files into these folders. */
+    /* Network file systems have no such rename. Only this service puts files into these folders. */
     const int absent = folder_stat(f, to, new_name, &st);
     if (absent != ENOENT)
         return absent == 0 ? EEXIST : absent;

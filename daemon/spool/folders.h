@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/folders.h: the spool's directory, its lock and its four folders, held by descriptors: when
- * a folder is renamed under the running service, files do not go elsewhere. */
+/* spool/folders.h: the spool's directory, its lock and its four folders, held open by descriptors,
+ * so that renaming a folder does not redirect files. */
 #ifndef SHEARD_SPOOL_FOLDERS_H
 #define SHEARD_SPOOL_FOLDERS_H
 
@@ -18,29 +18,30 @@ typedef struct folders {
     int fd[N_FOLDERS];
 } folders;
 
-/* Make what is missing, lock, open. Errors as of spool_open; *f is then closed. */
+/* Make what is missing, take the lock, open the folders. Errors as for spool_open; *f is then
+ * closed. */
 int folders_open(folders *f, const char *path, shear_error *err);
-void folders_close(folders *f); /* also of {0} with path NULL */
+void folders_close(folders *f); /* {0} is accepted */
 
-/* Are the folders still those that the path names? A folder that is gone is made again, one that
- * was replaced is used from now on; *incoming_changed tells whether it was incoming/. SHEAR_E_IO
- * where the directory itself is gone or replaced. */
+/* Check that the folders are still those that the path names. A missing folder is made again, a
+ * replaced one is used from now on; *incoming_changed is true if incoming/ was one of them.
+ * SHEAR_E_IO if the directory itself is missing or was replaced. */
 int folders_check(folders *f, bool *incoming_changed, shear_error *err);
 
 const char *folder_name(enum folder folder);
-/* These return 0 or errno. A move never replaces (EEXIST). */
+/* The following return 0 or errno. folder_move never replaces a file (EEXIST). */
 int folder_move(const folders *f, enum folder from, const char *name, enum folder to,
                 const char *new_name);
 int folder_sync(const folders *f, enum folder folder);
-/* The folder and active/. */
+/* fsync the folder and active/. */
 int folder_sync_move(const folders *f, enum folder folder);
-int folder_stat(const folders *f, enum folder folder, const char *name,
-                struct stat *st); /* of a link: its own */
-/* For readdir; NULL and errno. */
+/* Like lstat: a symbolic link is not followed. */
+int folder_stat(const folders *f, enum folder folder, const char *name, struct stat *st);
+/* Open the folder for readdir. Return NULL and set errno on error. */
 DIR *folder_list(const folders *f, enum folder folder);
 void folder_list_close(DIR **dir); /* for CLEANUP */
 
-/* "done/NAME" or "failed/NAME": NAME, and the folder; NULL where the text is neither. */
+/* Parse "done/NAME" or "failed/NAME": set *folder and return NAME, or NULL if it is neither. */
 const char *folder_of_place(const char *text, enum folder *folder);
 
 #endif

@@ -9,7 +9,8 @@
 #include <errno.h>
 #include <string.h>
 
-/* NULL where it is passed over, or memory is out: then a later scan finds it. */
+/* Return the file's record, or NULL if its name is passed over or out of memory: a later scan finds
+ * it. */
 static candidate *find_or_add(spool *s, const char *name) {
     candidate *file = NULL;
     if (name_validate(name) != NAME_QUIET) {
@@ -49,7 +50,7 @@ void incoming_event(spool *s, enum watch_event event, const char *name) {
 
 static void watch_again(spool *s) {
     if (s->watch.fd < 0) {
-        return; /* told by spool_open */
+        return; /* spool_open has reported it */
     }
     const int error = watch_start(&s->watch, s->folders.fd[INCOMING], s->folders.root);
     s->stats.watching = error == 0;
@@ -60,7 +61,8 @@ static void watch_again(spool *s) {
     }
 }
 
-/* False where the spool is not there. The watch comes before the scan: nothing falls between. */
+/* Check the folders, and watch incoming/ if it is new. Return false if the spool is missing. The
+ * watch begins before the scan, so that no file is missed in between. */
 static bool look_for_folders(spool *s) {
     bool changed = false;
     shear_error err = {0};

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/incoming.h: the files of incoming/ become known: by events and by scans. */
+/* spool/incoming.h: find the files of incoming/, by events and by scans. */
 #ifndef SHEARD_SPOOL_INCOMING_H
 #define SHEARD_SPOOL_INCOMING_H
 
 #include "spool/spool.h"
 #include "spool/watch.h"
 
-/* The watch's. */
+/* Process an event of the watch. */
 void incoming_event(spool *s, enum watch_event event, const char *name);
-/* False where the spool is not there now. */
+/* Check the folders and begin a scan. Return false if the spool is missing now. */
 bool incoming_begin_scan(spool *s);
-/* Go on with the scan that is under way. True: there is more. */
+/* Continue the scan that is under way, if any. Return true if there is more. */
 bool incoming_scan(spool *s);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/internal.h: what a spool is made of. */
+/* spool/internal.h: struct spool, the state of a watch folder. */
 #ifndef SHEARD_SPOOL_INTERNAL_H
 #define SHEARD_SPOOL_INTERNAL_H
 
@@ -11,9 +11,9 @@
 #include "spool/unacknowledged.h"
 #include "spool/watch.h"
 
-/* A look at all of incoming/, over several iterations of the loop. */
+/* A scan of all of incoming/, over several iterations of the loop. */
 typedef struct scan {
-    DIR *dir; /* NULL: none under way */
+    DIR *dir; /* NULL: no scan is under way */
     uint64_t generation;
     int64_t next_ms;
 } scan;
@@ -22,27 +22,26 @@ struct spool {
     uv_loop_t *loop;
     uv_poll_t poll;
     uv_timer_t timer;
-    int handles;           /* of libuv, that are not closed yet */
-    bool polling, started; /* the handles are open: poll, timer */
+    int handles;           /* number of libuv's handles that are not closed yet */
+    bool polling, started; /* poll, timer: the handle is open */
     bool closed;
-    bool away; /* the directory was gone or replaced at the last scan */
+    bool away; /* the directory was missing or replaced at the last scan */
     spool_callbacks call;
     spool_tuning tuning;
     folders folders;
     watch watch;
     candidates candidates;
     scan scan;
-    int acquire_error; /* the last one told; 0 after a success */
-    char trouble[256]; /* report.h; "": nothing */
+    int acquire_error; /* errno of the last reported failure; 0 after a success */
+    char trouble[256]; /* see report.h; "": none */
     int64_t trouble_since_ms;
     unacknowledged unacknowledged;
     retention retention;
-    uint64_t counter; /* of the names given */
+    uint64_t counter; /* of the keys made */
     spool_stats stats;
 };
 
-/* What is done in one iteration of the loop is at most so much, so that the sockets are served
- * meanwhile. */
+/* Most names and files per iteration of the loop, so that sockets are served in between. */
 enum { SPOOL_STEP_NAMES = 512, SPOOL_STEP_FILES = 64 };
 
 #endif

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <sys/random.h>
 
-/* The extension, in upper or lower case, or NULL where the name has none that the spool takes. */
+/* Return the extension, in upper or lower case, or NULL if it is not one that the spool accepts. */
 static const char *extension_of(const char *name) {
     static const char *const taken[] = {".fits",    ".fit",    ".fits.gz", ".fit.gz",
                                         ".fits.fz", ".fit.fz", ".fz",      ".json"};

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/place.h: where an ended file lies. */
+/* spool/place.h: the place of a file in done/ or failed/, and its fingerprint. */
 #ifndef SHEARD_SPOOL_PLACE_H
 #define SHEARD_SPOOL_PLACE_H
 
 #include "spool/folders.h"
 #include "spool/spool.h"
 
-/* The file's size and time of change: they go with it through renames and copies that keep times.
- */
+/* Make a fingerprint of the file's size and modification time, which survive renames, and copies
+ * that preserve times. */
 void place_fingerprint(const struct stat *st, char out[SPOOL_FINGERPRINT_SIZE]);
-/* This file is there now. */
+/* Set *place to this file, or to "not known" if there is no such file. */
 void place_set(const folders *f, spool_place *place, enum folder folder, const char *name);
-/* "failed/NAME" -> folder and NAME; NULL where the place is not one of ours. */
+/* Parse a place "failed/NAME": set *folder and return NAME, or NULL if it is not a place. */
 const char *place_parse(const spool_place *place, enum folder *folder);
 
 #endif

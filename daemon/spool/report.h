@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/report.h: what the spool says: lines for the owner's log, and what is wrong now. */
+/* spool/report.h: what the spool reports: lines for the owner's log, and the present trouble. */
 #ifndef SHEARD_SPOOL_REPORT_H
 #define SHEARD_SPOOL_REPORT_H
 
@@ -7,9 +7,9 @@
 
 void report_line(const spool *s, enum spool_level level, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-/* What keeps files from being acquired, for those who ask (spool_get_stats). */
+/* Set the trouble that keeps files from being acquired (see spool_get_stats). */
 void report_trouble(spool *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Nothing keeps them any more. */
+/* Clear the trouble. */
 void report_no_trouble(spool *s);
 
 #endif

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The way back from done/ or failed/ to active/. It uses the undo log of the way out (disposal.c):
- * while that is there and the file is in active/, the next start removes the report. So:
+/* Move a file back from done/ or failed/ to active/. This uses the undo log of disposal.c: while
+ * the log is there and the file is in active/, the next start removes the report. So:
  *
- *     write the undo log;  move the file;  fsync of both;  remove the report, fsync;  remove the
- *     undo log, fsync
+ *     write the undo log
+ *     move the file and fsync both folders
+ *     remove the report and fsync its folder
+ *     remove the undo log and fsync active/
  *
- * The last fsync keeps a link that is gone from coming back with the power: by then another file
- * may lie at failed/NAME, with a report of its own. */
+ * Without the last fsync a power failure could bring back the log, when another file may be at
+ * failed/NAME with a report of its own. */
 #include "spool/internal.h"
 #include "spool/place.h"
 #include "spool/undo_log.h"
@@ -42,7 +44,7 @@ static int check_same(const spool *s, enum folder folder, const char *name,
     return SHEAR_OK;
 }
 
-/* The file is in active/: all on disk, and its report away. Returns 0 or errno. */
+/* The file is in active/: bring that to disk and remove its report. Return 0 or errno. */
 static int remove_report(const folders *f, enum folder folder, const char *name) {
     char report[NAME_REPORT_SIZE];
     const int error = folder_sync_move(f, folder);
@@ -52,7 +54,7 @@ static int remove_report(const folders *f, enum folder folder, const char *name)
     return unlinkat(f->fd[folder], report, 0) == 0 || errno == ENOENT ? 0 : errno;
 }
 
-/* Returns 0 or errno; then the file is where it was. */
+/* Move the file and remove its report. Return 0, or errno with the file where it was. */
 static int move_back(const folders *f, const char *active_name, enum folder folder,
                      const char *name) {
     int error = undo_log_write(f, active_name, folder, name);
@@ -64,7 +66,7 @@ static int move_back(const folders *f, const char *active_name, enum folder fold
     }
     error = remove_report(f, folder, name);
     if (error != 0) {
-        /* Where that fails, too, it stays in active/, and the next start tells of it. */
+        /* If this fails, too, the file stays in active/, and the next start reports it. */
         if (folder_move(f, ACTIVE, active_name, folder, name) == 0)
             undo_log_remove(f, active_name);
         return error;

@@ -59,8 +59,8 @@ static bool append(retention *w, const char *name, const struct stat *st) {
     char *copy = strdup(name);
     if (copy == NULL)
         return false;
-    /* The last modification of the file is older than its end; the last change is its move here.
-     * Better is the time when the report was written, if there is one. */
+    /* The file's status change is its move to this folder, and later than its modification. The
+     * report's modification time, if there is a report, is used instead. */
     w->items[w->n++] = (ended_file){.name = copy,
                                     .inode = st->st_ino,
                                     .modified_ns = to_ns(st->st_mtim),
@@ -80,8 +80,8 @@ static int by_time(const void *a, const void *b) {
                                       : by_name(a, b);
 }
 
-/* A name sorts before the name of its report; so a report is known as one before it could be taken
- * for a job with a report of its own. */
+/* A name sorts before the name of its report. So a report is recognised before it could be taken
+ * for a job file that has a report of its own. */
 static void pair_with_reports(retention *w) {
     for (size_t i = 0; i < w->n; i++) {
         char name[NAME_REPORT_SIZE];
@@ -130,8 +130,8 @@ static void end_reading(retention *w) {
         end_folder(w);
 }
 
-/* Only what this service put there, or could have put there, is counted and removed. False: memory
- * is out. */
+/* Add a file that this service has, or could have, put there; others are neither counted nor
+ * removed. Return false if out of memory. */
 static bool read_name(spool *s, const char *name) {
     struct stat st;
     const enum name_status status = name_validate(name);
@@ -170,13 +170,13 @@ static bool too_much(const retention *w, const spool_retention *keep, int64_t no
            (keep->max_bytes > 0 && w->bytes > keep->max_bytes);
 }
 
-/* The file first: no file is ever without its report. */
+/* Remove the file first, so that no file is ever without its report. */
 static void remove_item(spool *s, const ended_file *item) {
     const enum folder folder = s->retention.folder;
     const int fd = s->folders.fd[folder];
     struct stat st;
     if (folder_stat(&s->folders, folder, item->name, &st) != 0 || st.st_ino != item->inode) {
-        return; /* somebody was faster, and a younger file may have the name now */
+        return; /* somebody else has removed it, and a newer file may have the name */
     }
     if (unlinkat(fd, item->name, 0) != 0) {
         report_line(s, SPOOL_WARNING, "%s/%s/%s: is to be removed, but cannot: %s", s->folders.path,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/retention.h: what is too old or too much in done/ and failed/ is removed, in small steps.
- */
+/* spool/retention.h: remove files from done/ and failed/ that are too old or too many, in small
+ * steps. */
 #ifndef SHEARD_SPOOL_RETENTION_H
 #define SHEARD_SPOOL_RETENTION_H
 
@@ -13,29 +13,29 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* A file, with its report where there is one. */
+/* A file, with its report if it has one. */
 typedef struct ended_file {
     char *name;
     ino_t inode;
-    int64_t modified_ns, ended_ns; /* since 1970 */
-    int64_t bytes;                 /* of both */
+    int64_t modified_ns, ended_ns; /* since 1970; ended_ns: when it was moved here */
+    int64_t bytes;                 /* file and report together */
     bool has_report, is_report;
 } ended_file;
 
 typedef struct retention {
-    enum folder folder; /* the one under way; N_FOLDERS: none */
-    DIR *dir;           /* open while it is being read */
+    enum folder folder; /* the one being processed; N_FOLDERS: none */
+    DIR *dir;           /* open while the folder is being read */
     ended_file *items;
     size_t n, capacity;
-    size_t next;   /* the first item not yet removed */
-    int64_t bytes; /* of those from next on */
+    size_t next;   /* index of the first item not yet removed */
+    int64_t bytes; /* of the items from `next` on */
 } retention;
 
 void retention_init(retention *w);
 void retention_deinit(retention *w);
-void retention_begin(retention *w); /* unless one is under way */
+void retention_begin(retention *w); /* unless it is under way */
 bool retention_idle(const retention *w);
-/* Some of the work. True: there is more. */
+/* Do some of the work. Return true if there is more. */
 bool retention_step(spool *s);
 
 #endif

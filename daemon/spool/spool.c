@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opening, closing, and what is done when the timer or inotify wakes the spool. */
+/* Open and close the spool, and do its work when the timer or inotify wakes it. */
 #include "spool/spool.h"
 
 #include "base/cleanup.h"
@@ -23,7 +23,7 @@ static int64_t wall_clock_ms(void *nothing) {
     return clock_ms(CLOCK_REALTIME);
 }
 
-/* ---- what is done when the timer or inotify wakes it ---- */
+/* ---- work ---- */
 
 static void on_timer(uv_timer_t *timer);
 
@@ -31,8 +31,9 @@ static void sleep_until_next(spool *s, bool more) {
     const int64_t acquire_ms = acquire_next_ms(s);
     const int64_t next_ms = acquire_ms < s->scan.next_ms ? acquire_ms : s->scan.next_ms;
     const int64_t left_ms = next_ms - clock_ms(CLOCK_MONOTONIC);
-    /* The loop's clock stands still during an iteration: without this the timer would come early. A
-     * time of 0 would come in this very iteration, again and again, and nobody else would. */
+    /* The loop's time does not advance during an iteration; without this the timer would expire
+     * early. A timeout of 0 would expire in this iteration again and again, and block everything
+     * else. */
     uv_update_time(s->loop);
     uv_timer_start(&s->timer, on_timer, more || left_ms <= 0 ? 1 : (uint64_t)left_ms + 1, 0);
 }
@@ -72,7 +73,7 @@ static void on_closed(uv_handle_t *handle) {
     free_when_closed(s);
 }
 
-/* The handle first: later its descriptor's number may be somebody else's. */
+/* Close the handle first: its descriptor's number may be reused afterwards. */
 static void stop_watch(spool *s) {
     if (s->polling)
         uv_close((uv_handle_t *)&s->poll, on_closed);
@@ -134,7 +135,7 @@ static int list_one(spool *s, const char *active_name, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* What the last owner had acquired. */
+/* List what the last owner had acquired. */
 static int list_active(spool *s, shear_error *err) {
     CLEANUP(folder_list_close) DIR *dir = folder_list(&s->folders, ACTIVE);
     if (dir == NULL) {
@@ -149,7 +150,7 @@ static int list_active(spool *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Returns 0 or errno. */
+/* Watch incoming/. Return 0 or errno. */
 static int watch_incoming(spool *s) {
     int error = watch_init(&s->watch);
     if (error != 0)
@@ -166,7 +167,7 @@ static int watch_incoming(spool *s) {
     return -uv_poll_start(&s->poll, UV_READABLE, on_readable);
 }
 
-/* Failures here cost speed only. */
+/* Watch incoming/ if possible: without it files are only found later. */
 static void start_watch(spool *s) {
     const int error = watch_incoming(s);
     s->stats.watching = error == 0;
@@ -239,7 +240,7 @@ int spool_open(spool **out, uv_loop_t *loop, const char *directory, const spool_
     return SHEAR_OK;
 }
 
-/* ---- the rest ---- */
+/* ---- single files, statistics ---- */
 
 int spool_refuse(spool *s, const char *active_name, shear_error *err) {
     if (!unacknowledged_add(&s->unacknowledged, active_name, true, true))
@@ -253,7 +254,7 @@ int spool_open_file(const spool *s, const char *active_name, int *out, shear_err
     *out = -1;
     if (name == NULL)
         return name_fail_active(active_name, err);
-    /* Not to wait for the other end, should it be a pipe. */
+    /* Do not wait for the other end if it is a pipe. */
     const int fd = openat(s->folders.fd[ACTIVE], active_name,
                           O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (fd >= 0 && fstat(fd, &st) == 0 && S_ISREG(st.st_mode)) {
@@ -281,7 +282,8 @@ spool_stats spool_get_stats(const spool *s) {
     stats.waiting =
         (int64_t)(counts[CANDIDATE_SETTLING] + counts[CANDIDATE_BEGUN] + counts[CANDIDATE_READY]);
     stats.ignored = (int64_t)counts[CANDIDATE_IGNORED];
-    if (s->away || stats.waiting > 0) { /* who cannot be taken may have been taken away */
+    /* The trouble is over if the files that could not be acquired have been removed. */
+    if (s->away || stats.waiting > 0) {
         snprintf(stats.trouble, sizeof stats.trouble, "%s", s->trouble);
         stats.trouble_since_ms = s->trouble_since_ms;
     }

@@ -9,25 +9,26 @@
 
 typedef struct unacknowledged_file {
     TAILQ_ENTRY(unacknowledged_file) link;
-    bool again; /* not for the first time */
+    bool again; /* it has been reported before */
     char active_name[];
 } unacknowledged_file;
 TAILQ_HEAD(unacknowledged_queue, unacknowledged_file);
 
 typedef struct unacknowledged {
     struct unacknowledged_queue pending;
-    struct unacknowledged_queue refused; /* not before the next scan */
+    struct unacknowledged_queue refused; /* wait for the next scan or spool_wake */
     bool unsynced;                       /* files were moved to active/ since the last fsync */
 } unacknowledged;
 
 void unacknowledged_init(unacknowledged *o);
 void unacknowledged_deinit(unacknowledged *o);
-/* False: out of memory. */
+/* Add a file, to the refused ones if `refused`. Return false if out of memory. */
 bool unacknowledged_add(unacknowledged *o, const char *active_name, bool again, bool refused);
 void unacknowledged_remove(unacknowledged *o, const char *active_name);
-/* Those that were refused are to be told again. */
+/* Make the refused files pending. */
 void unacknowledged_retry(unacknowledged *o);
-/* The next one that is to be told, out of the list and the caller's to free; NULL: none is. */
+/* Remove the next pending file from the list and return it, the caller's to free, or NULL if there
+ * is none. */
 unacknowledged_file *unacknowledged_next(unacknowledged *o);
 bool unacknowledged_pending(const unacknowledged *o);
 

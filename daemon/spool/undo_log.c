@@ -13,7 +13,7 @@
 static const char undo_suffix[] = ".end";
 static const char temporary_suffix[] = ".tmp";
 
-/* Names are bounded so that this fits (names.h). */
+/* Make ".ACTIVE_NAME" SUFFIX, which fits because names are limited (names.h). */
 static void join(char out[NAME_SIZE], const char *active_name, const char *suffix) {
     const int n = snprintf(out, NAME_SIZE, ".%s%s", active_name, suffix);
     assert(n > 0 && n < NAME_SIZE);
@@ -26,7 +26,8 @@ void undo_log_temporary(char out[NAME_SIZE], const char *active_name) {
 
 /* ---- recovery ---- */
 
-/* "done/NAME" -> folder and NAME; false where it is nothing of ours. */
+/* Read the link: set *folder and `name` from "done/NAME". Return false if it is not a link of the
+ * service. */
 static bool read_link(const folders *f, const char *link, enum folder *folder,
                       char name[NAME_SIZE]) {
     char text[NAME_SIZE + 8];
@@ -38,7 +39,7 @@ static bool read_link(const folders *f, const char *link, enum folder *folder,
     return target != NULL && strchr(target, '/') == NULL && text_set(name, NAME_SIZE, target);
 }
 
-/* The active name in ".ACTIVE_NAME" SUFFIX; false where the file is called otherwise. */
+/* Extract the active name from ".ACTIVE_NAME" SUFFIX. Return false if the name has another form. */
 static bool strip(char out[NAME_SIZE], const char *name, const char *suffix) {
     const size_t n = strlen(name);
     const size_t m = strlen(suffix);
@@ -64,13 +65,13 @@ static int undo(const folders *f, const char *link, const char *active_name) {
     return unlinkat(f->fd[ACTIVE], link, 0) == 0 ? 0 : errno;
 }
 
-/* Returns 0 or errno. */
+/* Undo one move. Return 0 or errno. */
 static int recover_one(const folders *f, const char *name) {
     char active_name[NAME_SIZE];
     if (strip(active_name, name, undo_suffix))
         return undo(f, name, active_name);
     if (strip(active_name, name, temporary_suffix)) {
-        unlinkat(f->fd[ACTIVE], name, 0); /* gone, or seen by the next start */
+        unlinkat(f->fd[ACTIVE], name, 0); /* if this fails, the next start tries again */
     }
     return 0;
 }
@@ -106,12 +107,12 @@ int undo_log_write(const folders *f, const char *active_name, enum folder folder
     char link[NAME_SIZE];
     join(link, active_name, undo_suffix);
     snprintf(text, sizeof text, "%s/%s", folder_name(folder), name);
-    unlinkat(f->fd[ACTIVE], link, 0); /* of a disposal that could not even be undone */
+    unlinkat(f->fd[ACTIVE], link, 0); /* left by a disposal that could not be undone */
     return symlinkat(text, f->fd[ACTIVE], link) == 0 ? 0 : errno;
 }
 
 void undo_log_remove(const folders *f, const char *active_name) {
     char link[NAME_SIZE];
     join(link, active_name, undo_suffix);
-    unlinkat(f->fd[ACTIVE], link, 0); /* gone, or seen by the next start */
+    unlinkat(f->fd[ACTIVE], link, 0); /* if this fails, the next start removes it */
 }

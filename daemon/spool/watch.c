@@ -15,7 +15,7 @@
 static const uint32_t of_directory =
     IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
 
-/* That a directory was removed is told to its parent only, as long as somebody has it open. */
+/* While a removed directory is held open, only its parent reports the removal. */
 static const uint32_t of_parent = IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
 
 int watch_init(watch *w) {
@@ -37,7 +37,7 @@ static void forget(watch *w, int *id) {
 
 static int add(watch *w, int directory, uint32_t wanted, int *id) {
     char path[32];
-    /* By descriptor: the name may already stand for another directory. */
+    /* By descriptor: its name may already belong to another directory. */
     snprintf(path, sizeof path, "/proc/self/fd/%d", directory);
     *id = inotify_add_watch(w->fd, path, wanted);
     return *id >= 0 ? 0 : errno;
@@ -47,7 +47,7 @@ int watch_start(watch *w, int directory, int parent) {
     if (w->fd < 0)
         return EBADF;
     forget(w, &w->id);
-    const int error = add(w, parent, of_parent, &w->parent); /* the same number every time */
+    const int error = add(w, parent, of_parent, &w->parent); /* the same number each time */
     return error == 0 ? add(w, directory, of_directory, &w->id) : error;
 }
 
@@ -69,7 +69,7 @@ static void dispatch(watch *w, const struct inotify_event *event,
         strcmp(event->name, folder_name(INCOMING)) == 0) {
         kind = WATCH_LOST;
     } else if (kind != WATCH_OVERFLOW && event->wd != w->id) {
-        return; /* beside it, or of a directory that is no longer watched */
+        return; /* another name in the parent, or a directory that is no longer watched */
     }
     if (kind == WATCH_LOST)
         forget(w, &w->id);
