@@ -239,8 +239,8 @@ typedef struct store_job_page {
 } store_job_page;
 void store_job_page_deinit(store_job_page *page);
 
-/* Get a page of jobs by descending id. Jobs that are submitted meanwhile do not shift later pages.
- */
+/* Get a page of jobs by descending id. Jobs that are submitted meanwhile do not shift later
+ * pages. */
 int store_jobs(store *s, const store_job_filter *filter, size_t limit, store_job_page *page,
                shear_error *err);
 

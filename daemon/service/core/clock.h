@@ -5,8 +5,8 @@
 
 #include "base/clock.h"
 
-/* Return the wall clock, since 1970, for times that are shown or stored. It may be set at any time.
- */
+/* Return the wall clock, since 1970, for times that are shown or stored. It may be set at any
+ * time. */
 static inline int64_t clock_wall_ms(void) {
     return clock_ms(CLOCK_REALTIME);
 }

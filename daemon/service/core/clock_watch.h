@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/clock_watch.h: detect that the wall clock was set, and move waiting jobs with it.
- * Times that are shown or stored are the wall clock's; intervals are measured by the steady clock.
- */
+ * Times that are shown or stored are the wall clock's; intervals are measured by the steady
+ * clock. */
 #ifndef SHEARD_SERVICE_CLOCK_WATCH_H
 #define SHEARD_SERVICE_CLOCK_WATCH_H
 

@@ -22,8 +22,8 @@ void descriptors_raise(const sheard_config *config) {
     }
 }
 
-/* If there are very few descriptors, clients get a quarter of them; jobs then wait for each other.
- */
+/* If there are very few descriptors, clients get a quarter of them; jobs then wait for each
+ * other. */
 int64_t descriptors_connections(const sheard_config *config) {
     const int64_t configured = config->limits.connections;
     const int64_t own = sheard_config_own_descriptors(config);

@@ -47,8 +47,8 @@ typedef struct group {
 
 void group_start(group *g, uv_loop_t *loop, store *s, problem_notes *notes,
                  const group_hooks *hooks);
-/* Open the group, unless it is open. Call before every change of the store. Errors of store_begin.
- */
+/* Open the group, unless it is open. Call before every change of the store. Errors of
+ * store_begin. */
 int group_begin(group *g, shear_error *err);
 /* Register `run` for after the commit. Return a zeroed record of `size` bytes that begins with a
  * post_commit and belongs to the group, or NULL if out of memory. */

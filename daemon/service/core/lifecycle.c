@@ -74,8 +74,8 @@ void lifecycle_stop(service *s, double timeout_s) {
     uv_timer_start(&s->life.drain_end, on_drain_end, (uint64_t)(1e3 * fmax(0.0, seconds)), 0);
 }
 
-/* Running jobs are put back into the queue; they resume from their checkpoints at the next start.
- */
+/* Running jobs are put back into the queue; they resume from their checkpoints at the next
+ * start. */
 void lifecycle_stop_now(service *s) {
     s->life.state = SHEARD_SERVER_STOPPING;
     server_stop_accepting(s->server);

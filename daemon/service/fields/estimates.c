@@ -234,8 +234,8 @@ enum estimates_answer estimates_request(service *s, server_handle to, const stor
 int estimates_get(service *s, const store_field *f, const shear_field_sums *sums, int64_t since,
                   shear_result *out, int64_t *jobs, shear_error *err) {
     const estimate *e = estimate_cache_find(&s->estimates->cache, f);
-    if (e == NULL ||
-        !is_good(s, e, f, since)) { /* nothing was counted, or the result was not requested */
+    /* Nothing was counted, or the result was not requested. */
+    if (e == NULL || !is_good(s, e, f, since)) {
         shear_field_result(sums, out);
         out->estimator = estimator_of(f);
         out->valid = false;

@@ -26,8 +26,8 @@ void no_result_begin(no_result *r, const store_field *f, const shear_result *res
  * for what cannot be read. */
 bool no_result_look(no_result *r, store *s, const store_field *f);
 void no_result_deinit(no_result *r);
-/* Return the reason without examining contributions, static text, or NULL: the field has a result.
- */
+/* Return the reason without examining contributions, static text, or NULL: the field has a
+ * result. */
 const char *no_result_brief(const store_field *f, const shear_result *result);
 
 #endif

@@ -24,8 +24,8 @@ typedef struct active_job {
     bool ended;             /* its outcome is in the store: ignore the engine's last event */
 } active_job;
 
-/* Calls from jobs into the rooms above; set once, at the start. Called when the change is on disk.
- */
+/* Calls from jobs into the rooms above; set once, at the start. Called when the change is on
+ * disk. */
 typedef struct job_hooks {
     /* Move the file of a final job, if it has one, to done/ or failed/, and store its place in
      * *job. */

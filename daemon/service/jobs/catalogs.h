@@ -15,8 +15,8 @@ typedef struct service service;
 
 /* Return the path of the job's catalog, malloc'd, or NULL if catalogs are off or out of memory. */
 char *catalog_path(const service *s, int64_t job);
-/* Remove the temporary file of a job that is over, and its catalog if the job did not end with one.
- */
+/* Remove the temporary file of a job that is over, and its catalog if the job did not end with
+ * one. */
 void catalog_forget(const service *s, const store_job *job);
 /* Claim the catalogs' directory and remove files that belong to no job. Call at the start. */
 int catalogs_open(service *s, shear_error *err);

@@ -6,8 +6,8 @@
 
 typedef struct service service;
 
-/* Mark as many jobs as may run at the same time. Call at the end of a turn whose group is on disk.
- */
+/* Mark as many jobs as may run at the same time. Call at the end of a turn whose group is on
+ * disk. */
 void job_queue_fill(service *s);
 /* Stop all running jobs and put them back into the queue; they resume at the next start. */
 void job_queue_stop_all(service *s);
