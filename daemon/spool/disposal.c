@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Move a file from active/ to done/ or failed/:
+/* From active/ to done/ or failed/: move a file so that a power failure in between does no harm.
  *
  *     write the undo log (undo_log.h)
  *     write the report to active/.ACTIVE_NAME.tmp and fsync it

@@ -27,8 +27,8 @@ bool unacknowledged_add(unacknowledged *o, const char *active_name, bool again, 
 void unacknowledged_remove(unacknowledged *o, const char *active_name);
 /* Make the refused files pending. */
 void unacknowledged_retry(unacknowledged *o);
-/* Remove the next pending file from the list and return it, the caller's to free, or NULL if there
- * is none. */
+/* Remove the next pending file from the list and return it, the caller's to free, or NULL if no
+ * file is pending. */
 unacknowledged_file *unacknowledged_next(unacknowledged *o);
 bool unacknowledged_pending(const unacknowledged *o);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Read a field's contributions, and what they share. */
+/* Read a field's contributions, their sums, the truth they share, and the stamp that counts most.
+ */
 #include "store/field_row.h"
 #include "store/page.h"
 #include "store/query.h"

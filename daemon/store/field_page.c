@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Read fields. */
+/* Read fields: all of one name, or a page of them. */
 #include "store/page.h"
 #include "store/query.h"
 #include "store/sums_text.h"

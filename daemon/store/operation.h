@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/operation.h: an operation is atomic: a transaction of its own, or a savepoint in the open
- * group. */
+/* store/operation.h: atomic operations: each is a transaction of its own, or a savepoint in the
+ * open group. */
 #ifndef SHEARD_STORE_OPERATION_H
 #define SHEARD_STORE_OPERATION_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/page.h: what all pages share. One record more than the limit is read, to see whether more
- * follow. */
+/* store/page.h: pages of records: their largest size. One record more than the limit is read, to
+ * see whether more follow. */
 #ifndef SHEARD_STORE_PAGE_H
 #define SHEARD_STORE_PAGE_H
 

@@ -195,7 +195,7 @@ const char *const sql_texts[SQL_N] = {
                           " WHERE field = ?1 AND id > ?2 ORDER BY id LIMIT ?3",
     [SQL_CONTRIBUTION_SUMS] = "SELECT sums FROM contributions WHERE id = ?1",
     [SQL_COUNTS] = "SELECT state, n FROM counts",
-    /* in the order of store_totals' members */
+    /* in the order in which numbers.c reads store_totals' members */
     [SQL_TOTALS] = "SELECT submitted, counted, duplicates, failed, cancelled, retired, attempts,"
                    " interrupted, 0, failures_transient, failures_data, failures_bug, n_stamps,"
                    " n_used, elapsed_us, fields, retracted FROM totals WHERE id = 1",

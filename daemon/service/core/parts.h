@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/core/parts.h: struct service, and what it consists of. It belongs to the loop's thread.
+/* service/core/parts.h: struct service: the modules of the service and the state that they share.
+ * It belongs to the loop's thread.
  *
  * Modules of core are members; those of the rooms above are pointers to incomplete types, whose
  * headers are included where they are used. */

@@ -11,7 +11,7 @@
 
 server_limits tuning_server(const sheard_config *c);
 spool_tuning tuning_spool(const sheard_config *c);
-reader_limits tuning_reader(const sheard_config *c); /* all but its paths */
+reader_limits tuning_reader(const sheard_config *c); /* except the paths */
 /* Return the jobs' memory budget in bytes; log a warning if the machine has less. */
 int64_t tuning_memory(const sheard_config *c);
 

@@ -4,8 +4,8 @@
  *
  * A catalog gets its name before its job's outcome is on disk. If the service dies in between, or
  * if the outcome is another one (cancelled meanwhile), the catalog belongs to no job and is removed
- * when the job ends or at the next start. Files older than the directory's mark are never removed
- * so, and no start examines what an earlier one has (jobs/catalog_directory.h). */
+ * when the job ends or at the next start. Files older than the directory's mark are not removed
+ * in this way, and no start examines what an earlier one has (jobs/catalog_directory.h). */
 #ifndef SHEARD_SERVICE_CATALOGS_H
 #define SHEARD_SERVICE_CATALOGS_H
 

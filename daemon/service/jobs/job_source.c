@@ -71,7 +71,7 @@ static int fail_as(job_source *o, int code, enum store_class fail_class, int rpc
     return code;
 }
 
-/* Return the submitter, with the groups of that time. Jobs of older versions have none stored:
+/* Get the submitter, with the groups of that time. Jobs of older versions have none stored:
  * those get the groups in the user database. */
 static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
     return job->groups != NULL ? access_peer_from_text(job->owner, job->gid, job->groups, peer, err)
