@@ -244,8 +244,8 @@ static void whole_fields(void **state) {
     fx_deinit(&other);
 }
 
-/* From the first moment on the field is gone and begins anew; whatever happens until its last
- * contribution has left, everything agrees. */
+/* The field is gone at once and begins again; whatever happens until its last contribution is
+ * removed, the database is consistent. */
 static void leaves_bit_by_bit(void **state) {
     enum { MANY = 5, STEPS = MANY + 2 }; /* one for the row, one that finds nothing */
     fixture *f = *state;

@@ -101,7 +101,7 @@ static void pieces_follow_each_other(void **state) {
     assert_saved(f, id, 9);
     assert_int_equal(save(f, id, 2, 6, 5, 2), SHEAR_OK); /* again from a piece's end */
     assert_saved(f, id, 7);
-    assert_int_equal(save(f, id, 0, 1, 0, 3), SHEAR_OK); /* anew */
+    assert_int_equal(save(f, id, 0, 1, 0, 3), SHEAR_OK); /* from block 0 again */
     assert_saved(f, id, 3);
     fx_close(f);
     fx_open(f);
