@@ -54,8 +54,8 @@ typedef struct store_opening {
     bool created;      /* there was no database */
     int version;       /* present version of the schema */
     int migrated_from; /* version of the schema before; the present one if it was not migrated */
-    int64_t requeued;  /* jobs that were running when the service died */
-    int64_t cancelled; /* those of them that were marked to be cancelled instead */
+    int64_t requeued;  /* jobs that were running when the service died: queued again, */
+    int64_t cancelled; /* or cancelled, if they were marked so */
 } store_opening;
 
 /* Open the database at `path` and own it exclusively until store_close. Make it (mode 0600) if it
@@ -75,8 +75,8 @@ const store_opening *store_opened(const store *s); /* lives as long as s */
  * SHEAR_E_FORMAT if one is not. */
 int store_check(store *s, shear_error *err);
 /* Check that all agrees: the counts with the jobs, each counted job with one contribution, each
- * field's sums with the exact join of its contributions. For `doctor` and tests; the time grows
- * with the database. SHEAR_E_FORMAT if something does not. */
+ * field's sums with the exact join of its contributions. For tests; the time grows with the
+ * database. SHEAR_E_FORMAT if something does not. */
 int store_audit(store *s, shear_error *err);
 
 /* ---- Groups: many operations, one fsync ---- */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/sums_text.h: exact sums as stored in the database. The text of sums has about 240 zeros at
- * the end of each of its 58 terms (the exact accumulator reaches down to the smallest double), 16
- * KiB in all. With runs of zeros replaced by their length a term takes 36 bytes, 27 of them the
- * hexadecimal digits of its two doubles, and all terms less than 2.5 KiB. */
+ * the end of each of its 64 terms (the exact accumulator reaches down to the smallest double),
+ * about 17 KiB in all. With runs of zeros replaced by their length a term takes 36 bytes, 27 of
+ * them the hexadecimal digits of its two doubles, and all terms less than 2.5 KiB. */
 #ifndef SHEARD_STORE_SUMS_TEXT_H
 #define SHEARD_STORE_SUMS_TEXT_H
 

@@ -3,7 +3,7 @@
  * of the terms of all stamps of the field, so they are solved only on request, one after the other,
  * in libuv's thread pool; the loop only reads the terms. Requests wait for their results. Results
  * are kept until another job is counted: those that a pending request needs, and those of the most
- * recently requested fields. Solving needs 76 bytes of memory per stamp.
+ * recently requested fields. Solving needs 85 bytes of memory per stamp.
  *
  * A field that changes faster than it is solved would never have a current result. So a request
  * that began when n solvings had begun (estimates_begun) accepts the result of any later one:
