@@ -34,7 +34,7 @@ static bool begin(connection *c) {
     return c->user != NULL;
 }
 
-/* Which limit forbids it; N_REFUSALS: none. */
+/* Return the limit that forbids the connection, or N_REFUSALS if none does. */
 static enum refusal find_refusal(const connection *c) {
     const server *s = c->server;
     const server_limits *l = &s->limits;
@@ -45,7 +45,8 @@ static enum refusal find_refusal(const connection *c) {
                                                                          : N_REFUSALS;
 }
 
-/* The socket's buffer is empty: the line is written at once, or not at all. */
+/* Send the line that gives the reason. The socket's buffer is empty, so the line is written at once
+ * or not at all. */
 static void refuse(connection *c, enum refusal why) {
     server *s = c->server;
     uv_buf_t buf = {.base = s->refusals[why], .len = s->refusal_bytes[why]};
@@ -65,7 +66,7 @@ static bool let_in(connection *c) {
     return connection_table_enter(c->server, c);
 }
 
-/* False: out of memory, the client still waits. */
+/* Accept one client. Return false if out of memory: the client still waits. */
 static bool accept_client(server *s, uv_stream_t *listener) {
     connection *c = calloc(1, sizeof *c);
     if (c == NULL)
@@ -89,12 +90,12 @@ static bool accept_client(server *s, uv_stream_t *listener) {
 
 void accept_on_connection(uv_stream_t *listener, int status) {
     server *s = listener->data;
-    /* An error (too many descriptors, say) ends the accept of one client; the next is another. */
+    /* An error (too many descriptors, say) ends the accept of this client only. */
     if (status == 0 && scheduler_may_accept(s) && !accept_client(s, listener))
         s->starved = true;
 }
 
-/* libuv has the client that was not accepted, and asks for no other before that. */
+/* libuv keeps the client that was not accepted, and announces no other before that. */
 void accept_waiting(server *s) {
     for (size_t i = 0; s->accepting && i < s->n_listeners; i++)
         accept_on_connection((uv_stream_t *)&s->listeners[i], 0);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/accept.h: clients that wait are let in, or told why not. */
+/* server/accept.h: accept waiting clients, or refuse them with the reason. */
 #ifndef SHEARD_SERVER_ACCEPT_H
 #define SHEARD_SERVER_ACCEPT_H
 
 #include "server/server.h"
 
-/* Make the lines that refuse a client. False: out of memory. */
+/* Format the lines that refuse a client. Return false if out of memory. */
 bool accept_init(server *s);
-/* libuv's callback for a client that waits. */
+/* Accept the client that waits at `listener`; libuv's connection callback. */
 void accept_on_connection(uv_stream_t *listener, int status);
-/* Accept those that wait. */
+/* Accept the clients that wait at all listeners. */
 void accept_waiting(server *s);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sockets that systemd has opened for us: descriptors from 3 on, as sd_listen_fds(3) says. */
+/* Acquire sockets that systemd has opened: descriptors from 3 on, as in sd_listen_fds(3). */
 #include "base/text.h"
 #include "server/server.h"
 
@@ -14,7 +14,7 @@ enum { FIRST_FD = 3 };
 
 static const char advice[] = "ListenStream= in sheard.socket must name one path, with Accept=no";
 
-/* The whole text as a decimal number from 0 to max; -1 where it is not one. */
+/* Return the text as a decimal number from 0 to max, or -1 if it is not one. */
 static int64_t read_number(const char *text, int64_t max) {
     int64_t value = -1;
     const bool is_digit = text != NULL && *text >= '0' && *text <= '9';
@@ -43,7 +43,7 @@ static int check_socket(int fd, shear_error *err) {
 static int acquire(int *fds, size_t capacity, size_t *n, shear_error *err) {
     const char *count_text = getenv("LISTEN_FDS");
     if (count_text == NULL || read_number(getenv("LISTEN_PID"), INT32_MAX) != getpid()) {
-        return SHEAR_OK; /* not for us: the variables were inherited */
+        return SHEAR_OK; /* the variables were inherited, and meant for another process */
     }
     const int64_t count = read_number(count_text, 4096);
     if (count < 0 || (size_t)count > capacity) {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* At once. */
+/* Limits of one call of write. */
 enum { WRITE_LINES = 32, WRITE_BYTES = 1 << 18 };
 
 /* ---- what has gone out ---- */
@@ -46,8 +46,8 @@ void connection_on_closed(uv_handle_t *handle) {
     lifetime_handle_closed(s);
 }
 
-/* On a Unix socket what has been written stays readable for the client after the close, so there
- * is nothing to linger for. */
+/* What has been written to a Unix socket stays readable for the client after the close, so no
+ * lingering is needed. */
 void connection_close(connection *c) {
     if (!c->closed) {
         c->closed = true;
@@ -101,7 +101,8 @@ static bool has_room_for_notice(const connection *c, const out_line *line) {
            (c->out.n == 0 || s->notice_bytes <= s->limits.unsent_bytes / 4);
 }
 
-/* Once one is left out, all are, until the client has been told: so it knows where the gap is. */
+/* After one notification is left out, all are, until the client has been told: so the client knows
+ * where the gap is. */
 void connection_notify(connection *c, out_line *line) {
     server *s = c->server;
     if (c->closed || c->aborted || c->finishing)
@@ -143,7 +144,7 @@ static void on_written(uv_write_t *write, int status) {
     connection *c = write->data;
     server *s = c->server;
     if (c->closed) {
-        return; /* the queue goes with the connection */
+        return; /* the queue is freed with the connection */
     }
     if (status < 0) {
         connection_close(c);
@@ -159,7 +160,7 @@ static void on_written(uv_write_t *write, int status) {
     scheduler_add(s, c);
 }
 
-/* The oldest lines, into bufs[WRITE_LINES]. */
+/* Collect the oldest lines into bufs[WRITE_LINES]. Return their number. */
 static unsigned gather(const out_queue *q, uv_buf_t *bufs, size_t *bytes) {
     size_t skip = q->written;
     size_t n = 0;
@@ -173,7 +174,7 @@ static unsigned gather(const out_queue *q, uv_buf_t *bufs, size_t *bytes) {
     return (unsigned)n;
 }
 
-/* What the socket takes now; the rest, once it takes more, by libuv. */
+/* Write what the socket takes now; libuv writes the rest when the socket takes more. */
 void connection_write(connection *c) {
     uv_buf_t bufs[WRITE_LINES];
     size_t bytes;

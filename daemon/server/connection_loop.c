@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What may be queued before it is written, so that short replies go together. */
+/* Bytes that may be queued before they are written, so that short replies go together. */
 enum { WRITE_SOON = 1 << 14 };
 
 static void drop_input(connection *c) {
@@ -35,7 +35,7 @@ static void give_buffer(uv_handle_t *handle, size_t suggested, uv_buf_t *buf) {
     *buf = (uv_buf_t){.base = s->buffer, .len = sizeof s->buffer};
 }
 
-/* It is processed later, and nothing more is read until it is used up. */
+/* Keep the input for later. Nothing more is read until it is used up. */
 static void keep_input(connection *c, const char *input, size_t n) {
     c->kept = malloc(n);
     if (c->kept == NULL) {
@@ -47,8 +47,8 @@ static void keep_input(connection *c, const char *input, size_t n) {
     c->n_input = n;
 }
 
-/* A client that has only shut down its writing side (printf | nc -N) still wants its replies; one
- * that has closed the socket does not. */
+/* Return whether the client has closed the socket. One that has only shut down its writing side
+ * (printf | nc -N) still wants its replies. */
 static bool has_gone(const connection *c) {
     int fd = -1;
     if (uv_fileno((const uv_handle_t *)&c->pipe, &fd) != 0)
@@ -68,13 +68,13 @@ static void on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf) {
     } else if (n == UV_EOF) {
         c->ended = true;
         c->aborted = c->aborted || has_gone(c);
-        scheduler_add(c->server, c); /* later: a thousand may go at once */
+        scheduler_add(c->server, c); /* not now: a thousand connections may end at once */
     } else if (n < 0) {
         connection_abort(c);
     }
 }
 
-/* Close it, or read on, or not; and come back where there are lines left. */
+/* Close the connection, or start or stop reading, and schedule it if lines are left. */
 static void update(connection *c) {
     if (is_over(c)) {
         connection_close(c);
@@ -85,7 +85,7 @@ static void update(connection *c) {
         scheduler_add(c->server, c);
     const bool read = may_take && c->n_input == 0 && !c->ended;
     if (may_take && c->held_up && c->partial_ms != 0) {
-        c->partial_ms = uv_now(c->server->loop); /* it was not the client's fault till now */
+        c->partial_ms = uv_now(c->server->loop); /* the delay so far was not the client's fault */
     }
     c->held_up = !may_take;
     if (read && !c->reading) {
@@ -102,7 +102,7 @@ static bool may_go_on(const connection *c) {
     return !c->finishing && !c->aborted && (c->writing == 0 || c->user->at_work == c);
 }
 
-/* A step of the work of the request that has waited for it longest. */
+/* Run one step of the deferred work that has waited longest. */
 static void go_on(connection *c, open_request *r) {
     server *s = c->server;
     if (!scheduler_may_work(s, c))
@@ -138,7 +138,8 @@ void connection_process(connection *c) {
     } else if (r != NULL && may_go_on(c)) {
         go_on(c, r);
     } else if (r != NULL) {
-        scheduler_end_work(c->server, c); /* nobody waits for a client that does not read */
+        scheduler_end_work(c->server,
+                           c); /* other connections do not wait for a client that does not read */
     }
     if (c->n_input == 0 || c->finishing)
         drop_input(c);

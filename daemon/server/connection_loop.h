@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/connection_loop.h: what a connection does next. Each call may close it. */
+/* server/connection_loop.h: read a connection's input and process it. Each call may close the
+ * connection. */
 #ifndef SHEARD_SERVER_CONNECTION_LOOP_H
 #define SHEARD_SERVER_CONNECTION_LOOP_H
 
 #include "server/connection.h"
 
-/* Begin to read. */
+/* Start reading. */
 void connection_start(connection *c);
-/* The one thing that is next: a request, or a step of the work of one. */
+/* Do the next thing: one request, or one step of a request's deferred work. */
 void connection_process(connection *c);
 /* Write what is queued, as much as the socket takes. */
 void connection_flush(connection *c);
-/* Is it silent, stalled or gone? */
+/* Close the connection if it is idle, stalled or gone. */
 void connection_tick(connection *c);
 
 #endif

@@ -3,8 +3,8 @@
 
 #include "server/internal.h"
 
-/* Not while anything lies unread, nor while a request's work is not done, nor while many requests
- * are unanswered. */
+/* No line is taken while output is unwritten, while deferred work is runnable, or while too many
+ * requests are unanswered. */
 bool dispatch_is_allowed(const connection *c) {
     const server *s = c->server;
     const size_t in_flight = scheduler_is_crowded(s, c->user) ? 1 : s->limits.in_flight;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/dispatch.h: from lines to requests, which go to the owner. */
+/* server/dispatch.h: parse lines into requests, and pass these to the owner. */
 #ifndef SHEARD_SERVER_DISPATCH_H
 #define SHEARD_SERVER_DISPATCH_H
 
 #include "server/connection.h"
 
-/* Do the limits allow another line? */
+/* Return whether the limits allow another line. */
 bool dispatch_is_allowed(const connection *c);
-/* Take a line of the input, where there is a whole one, and hand its request over. */
+/* Take one line of the input, if it is complete, and pass its request to the owner. */
 void dispatch_line(connection *c);
 
 #endif

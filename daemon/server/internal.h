@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/internal.h: the server as its own files see it. */
+/* server/internal.h: the server's state, for its own files only. */
 #ifndef SHEARD_SERVER_INTERNAL_H
 #define SHEARD_SERVER_INTERNAL_H
 
@@ -11,7 +11,7 @@
 
 enum { SERVER_MAX_LISTENERS = 16, SERVER_READ_BYTES = 16384 };
 
-/* Why a client is not let in. */
+/* Reasons for refusing a client. */
 enum refusal { REFUSAL_ALL_CONNECTIONS, REFUSAL_USER_CONNECTIONS, N_REFUSALS };
 
 struct server {
@@ -25,22 +25,23 @@ struct server {
     uv_pipe_t listeners[SERVER_MAX_LISTENERS];
     size_t n_listeners;
     bool accepting;
-    bool starved;               /* a client could not be accepted for want of memory: try again */
-    char *refusals[N_REFUSALS]; /* lines */
+    bool starved; /* memory ran out while accepting a client: try again at the next tick */
+    char *refusals[N_REFUSALS]; /* error replies, as lines */
     size_t refusal_bytes[N_REFUSALS];
 
     connection_table table;
     scheduler scheduler;
-    open_request *in_step;          /* whose work is in a step; NULL once it is answered */
-    connection_list subscribers;    /* those with subscriptions */
-    size_t notice_bytes;            /* of notifications that somebody has not read */
-    uv_timer_t tick;                /* looks for the silent and the stalled */
-    char buffer[SERVER_READ_BYTES]; /* what is being read, until the callback returns */
+    open_request *in_step;          /* whose step is running and not answered yet, or NULL */
+    connection_list subscribers;    /* connections with subscriptions */
+    size_t notice_bytes;            /* bytes of notifications that some client has not read */
+    uv_timer_t tick;                /* closes idle and stalled connections */
+    char buffer[SERVER_READ_BYTES]; /* input of the connection being read, until the callback
+                                       returns */
     server_statistics statistics;
 
     bool closing;
     uv_timer_t deadline;
-    size_t handles; /* libuv's handles that are not closed yet; the memory is theirs till then */
+    size_t handles; /* libuv handles not closed yet: the server is freed after the last one */
     void (*done)(void *context);
     void *done_context;
 };

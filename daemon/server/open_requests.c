@@ -42,7 +42,7 @@ uint64_t open_requests_add(open_requests *o, const sheard_request *request) {
     return r->number;
 }
 
-/* Index of the first whose number is not below. */
+/* Return the index of the first request whose number is not below `number`. */
 static size_t search(const open_requests *o, uint64_t number) {
     size_t low = 0;
     size_t high = o->n;

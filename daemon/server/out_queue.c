@@ -4,7 +4,7 @@
 #include <assert.h>
 #include <stdlib.h>
 
-/* A queue that is empty keeps no more than this. */
+/* Lines for which an empty queue keeps memory. */
 enum { SMALL = 16 };
 
 out_line *out_line_new(char *bytes, size_t n) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Subscriptions, and the notifications that they ask for. */
+/* Manage subscriptions, and send the notifications that they select. */
 #include "server/internal.h"
 
-/* Keep the list of subscribers and `*now` in step with what c watches. */
+/* Update the list of subscribers and *now after a change of the subscriptions of c. */
 static void note_change(connection *c, sheard_msg_subscribed *now) {
     server *s = c->server;
     const bool any = subscriptions_any(&c->subscriptions);
@@ -14,7 +14,7 @@ static void note_change(connection *c, sheard_msg_subscribed *now) {
         s->statistics.subscribers--;
     }
     c->subscribed = any;
-    scheduler_add(s, c); /* without subscriptions it may be over */
+    scheduler_add(s, c); /* without subscriptions the connection may be over */
     if (now != NULL) {
         *now = (sheard_msg_subscribed){.jobs = (int64_t)c->subscriptions.n_jobs,
                                        .fields = (int64_t)c->subscriptions.n_fields,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Replies, and the work that they take. */
+/* Send replies, and manage the deferred work of requests. */
 #include "server/internal.h"
 
 #include <stdlib.h>
 
-/* The open request of a handle, and its connection; NULL: there is nobody to answer. */
+/* Return the handle's unanswered request, and its connection, or NULL if there is none. */
 static open_request *find(const server *s, server_handle handle, connection **c) {
     *c = connection_table_find(s, handle.connection);
     open_request *r = *c != NULL ? open_requests_find(&(*c)->open, handle.request) : NULL;
@@ -27,7 +27,7 @@ static void answered(connection *c, open_request *r) {
         open_requests_remove(&c->open, r->number);
     }
     c->active_ms = uv_now(c->server->loop);
-    scheduler_add(s, c); /* it may take the next request now */
+    scheduler_add(s, c); /* the next line may be allowed now */
 }
 
 void server_reply(server *s, server_handle to, const sheard_reply *reply) {

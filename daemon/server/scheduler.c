@@ -6,7 +6,7 @@
 
 #include <assert.h>
 
-enum { ACCEPTS = 32 /* in a slice */ };
+enum { ACCEPTS = 32 /* per slice */ };
 
 static void run_slice(uv_idle_t *idle);
 
@@ -112,9 +112,9 @@ static void flush_some(server *s, uint64_t end) {
     }
 }
 
-/* One thing for each, in the order that users_next says, until the time is over. */
+/* Process ready connections, in the order of users_next, until the time is up. */
 static void serve(server *s, uint64_t end) {
-    /* The thread's own time: nobody is charged for the machine's other work. */
+    /* This is the thread's own processor time: nobody is charged for other work of the machine. */
     int64_t now = clock_ns(CLOCK_THREAD_CPUTIME_ID);
     do {
         connection *c = users_next(&s->scheduler.users, &s->scheduler.clock_ns);
@@ -125,7 +125,7 @@ static void serve(server *s, uint64_t end) {
         s->scheduler.current = c;
         s->scheduler.again = false;
         s->scheduler.call.process(c);
-        if (!s->scheduler.again && c->unflushed) { /* the reply to a single request goes at once */
+        if (!s->scheduler.again && c->unflushed) { /* write the reply to a single request at once */
             leave_unflushed(s, c);
             s->scheduler.call.flush(c);
         }
@@ -160,7 +160,6 @@ static void run_slice(uv_idle_t *idle) {
     }
 }
 
-/* The listener's callback: accept it now, or in a later slice. */
 bool scheduler_may_accept(server *s) {
     if (s->scheduler.accepts == 0) {
         s->scheduler.more_clients = true;

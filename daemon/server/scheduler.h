@@ -1,46 +1,46 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/scheduler.h: which connection is next, and for how long. */
+/* server/scheduler.h: decide which connection is served next, and for how long. */
 #ifndef SHEARD_SERVER_SCHEDULER_H
 #define SHEARD_SERVER_SCHEDULER_H
 
 #include "server/users.h"
 
-/* What the scheduler has others do. */
+/* The functions that the scheduler calls. */
 typedef struct scheduler_calls {
-    void (*process)(connection *c); /* one request, or one step of the work of one */
+    void (*process)(connection *c); /* do one request, or one step of deferred work */
     void (*flush)(connection *c);   /* write what is queued */
-    void (*accept)(server *s);      /* the clients that wait */
+    void (*accept)(server *s);      /* accept the clients that wait */
 } scheduler_calls;
 
 typedef struct scheduler {
     scheduler_calls call;
     server_user_list users;
-    uint64_t clock_ns;         /* see users_next */
-    connection *current;       /* the one that is being processed, */
-    bool again;                /* ... and has more to do */
-    connection_list unflushed; /* with lines to write */
-    bool work_waits;           /* for bytes to be read */
-    size_t accepts;            /* clients that may be accepted before the next slice */
-    bool more_clients;         /* there were more than that */
+    uint64_t clock_ns;         /* virtual time of the users: users_next */
+    connection *current;       /* the connection being processed, */
+    bool again;                /* ... and whether it has more to do */
+    connection_list unflushed; /* connections with lines to write */
+    bool work_waits;           /* deferred work waits for unsent bytes to be written */
+    size_t accepts;            /* clients that may still be accepted in this slice */
+    bool more_clients;         /* clients wait beyond that number */
     uv_idle_t idle;            /* runs while there is something to do */
 } scheduler;
 
 void scheduler_init(server *s, scheduler_calls call);
-/* It has something to do. */
+/* Mark the connection as ready. */
 void scheduler_add(server *s, connection *c);
-/* It has something to write. */
+/* Have the connection's queue written later. */
 void scheduler_flush_later(server *s, connection *c);
-/* It is closed: out of the lists. */
+/* Remove a closed connection from the lists. */
 void scheduler_remove(server *s, connection *c);
-/* Do replies that are not sent take all the memory that they (or the user's) may? */
+/* Return whether unsent replies exceed the limit of all users together or of this one. */
 bool scheduler_is_crowded(const server *s, const server_user *u);
-/* May the connection's deferred work be done now? Else it is told when it may. */
+/* Return whether the connection may do deferred work now. If not, it becomes ready when it may. */
 bool scheduler_may_work(server *s, connection *c);
-/* Its work is done, pauses, or cannot go on now: another connection of the user may work. */
+/* Let another connection of the user do deferred work: this one's is done, paused or blocked. */
 void scheduler_end_work(server *s, connection *c);
-/* Fewer bytes are unsent. */
+/* Resume deferred work if enough bytes have been written. */
 void scheduler_note_freed(server *s);
-/* May a client be accepted now? Else it is in a later slice. */
+/* Return whether a client may be accepted now. If not, `accept` is called in a later slice. */
 bool scheduler_may_accept(server *s);
 
 #endif

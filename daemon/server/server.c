@@ -37,7 +37,7 @@ static size_t at_most(size_t n, size_t most) {
     return n < most ? n : most;
 }
 
-/* The given ones, with what is missing filled in, and within the bounds that always hold. */
+/* Fill in defaults for what is 0, and apply the bounds that always hold. */
 static void fill_limits(server_limits *l, const server_limits *given) {
     server_limits d;
     server_limits_init(&d);
@@ -58,7 +58,7 @@ static void fill_limits(server_limits *l, const server_limits *given) {
     l->connections = at_most(l->connections, CONNECTION_SLOTS);
     l->reserved_connections = at_most(l->reserved_connections, l->connections / 4);
     l->user_connections = or_default(given->user_connections, l->connections / 4);
-    l->user_connections += l->user_connections == 0; /* of very few: one */
+    l->user_connections += l->user_connections == 0; /* a quarter of very few is still one */
 }
 
 /* ---- time ---- */
@@ -72,7 +72,7 @@ static void on_tick(uv_timer_t *timer) {
     }
 }
 
-/* Often enough for the shortest of the times, at least once a second. */
+/* Start the tick: four times per shortest timeout, and at least once a second. */
 static void start_tick(server *s) {
     int64_t ms = MAX_TICK_MS;
     const int64_t times[] = {s->limits.idle_timeout_ms, s->limits.stall_timeout_ms,
@@ -94,7 +94,7 @@ void server_set_limits(server *s, const server_limits *limits) {
     fill_limits(&s->limits, limits);
     if (!s->closing)
         start_tick(s);
-    connection_table_each(s, schedule); /* they may be allowed more now */
+    connection_table_each(s, schedule); /* the new limits may allow more lines */
 }
 
 void server_set_defaults(server *s, const shear_settings *defaults) {
@@ -182,7 +182,7 @@ static void start_handles(server *s) {
     start_tick(s);
 }
 
-/* NULL: out of memory. */
+/* Create a server without handles. Return NULL if out of memory. */
 static server *make(const server_options *options, uv_loop_t *loop) {
     server *s = calloc(1, sizeof *s);
     if (s == NULL)
@@ -207,12 +207,12 @@ int server_open(server **out, uv_loop_t *loop, const server_options *options, sh
         close_fds(options->fds, options->n_fds);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the server");
     }
-    /* libuv writes with write(2): a client that has gone would kill the daemon. */
+    /* libuv writes with write(2): SIGPIPE of a closed connection would kill the process. */
     signal(SIGPIPE, SIG_IGN);
     start_handles(s);
     const int code = start_listening(s, options, err);
     if (code != SHEAR_OK) {
-        server_close(s, 0, NULL, NULL); /* freed when the loop has closed its handles */
+        server_close(s, 0, NULL, NULL); /* freed when the loop has closed the handles */
         return code;
     }
     *out = s;

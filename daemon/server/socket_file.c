@@ -27,7 +27,7 @@
 
 enum { BACKLOG = 4096 };
 
-/* What is asked for. */
+/* The socket to be made. */
 typedef struct request {
     const char *path, *group;
     unsigned mode;
@@ -62,8 +62,9 @@ static int make_address(struct sockaddr_un *address, const char *path, shear_err
 
 /* ---- the lock ---- */
 
-/* Its holder removes the lock file at last, so a lock may be acquired on a file that has lost its
- * name, and locks nobody out. */
+/* Return whether the locked file is still the one at `path`. The holder of a lock removes the file
+ * before it unlocks, so a lock acquired afterwards may be on a removed file, where it excludes
+ * nobody. */
 static bool is_current(int fd, const char *path) {
     struct stat held;
     struct stat named;
@@ -93,7 +94,7 @@ static int acquire_lock(socket_file *file, shear_error *err) {
 
 static void release_lock(socket_file *file) {
     if (file->lock >= 0 && file->lock_path != NULL) {
-        unlink(file->lock_path); /* while it is held: see is_current */
+        unlink(file->lock_path); /* while the lock is held: see is_current */
         close(file->lock);
         file->lock = -1;
     }
@@ -101,7 +102,7 @@ static void release_lock(socket_file *file) {
 
 /* ---- what is in the way ---- */
 
-/* 0: somebody listens; else the errno of the connect. */
+/* Return 0 if a process listens there, or the errno of connect. */
 static int try_connect(const struct sockaddr_un *address) {
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (fd < 0)
@@ -149,7 +150,8 @@ static int find_group(gid_t *gid, const char *group, const char *path, shear_err
     return SHEAR_OK;
 }
 
-/* EPERM: a user may give files to its own groups only, and a unit may forbid that, too. */
+/* Report a failed lchown. EPERM: a user may give files only to its own groups, and a unit may
+ * forbid that, too. */
 static int cannot_give(const char *path, const char *group, shear_error *err) {
     char advice[240];
     const int number = errno;
@@ -164,7 +166,7 @@ static int cannot_give(const char *path, const char *group, shear_error *err) {
                       path, group, strerror(number));
 }
 
-/* The file is there, for nobody. */
+/* Set the group and the mode of the file, which has no permissions yet. */
 static int give(const request *r, socket_file *file, shear_error *err) {
     struct stat st;
     if (lstat(r->path, &st) != 0 || !S_ISSOCK(st.st_mode))

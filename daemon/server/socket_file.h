@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/socket_file.h: the socket file: made without ever being open to more than it should, and
- * removed only by whom it belongs to. */
+/* server/socket_file.h: create the socket file with its final permissions only, and remove it only
+ * by the server that made it. */
 #ifndef SHEARD_SERVER_SOCKET_FILE_H
 #define SHEARD_SERVER_SOCKET_FILE_H
 
@@ -15,10 +15,11 @@ typedef struct socket_file {
     ino_t inode;
 } socket_file;
 
-/* *fd becomes a listening socket, close-on-exec. On failure there is nothing to remove. */
+/* Create the socket file and set *fd to its listening socket (close-on-exec). On failure nothing is
+ * left to remove. */
 int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode, const char *group,
                      shear_error *err);
-/* Remove the file, if it is still the one that was made, and the lock. It may be called again. */
+/* Remove the file, if it is still the one that was made, and the lock. Further calls do nothing. */
 void socket_file_remove(socket_file *file);
 
 #endif

@@ -16,7 +16,7 @@ static int compare_fields(const void *a, const void *b) {
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Place of the key in items[n] of `size` bytes each, or where it would be. */
+/* Return the index of the key in items[n] of `size` bytes each, or where it would be inserted. */
 static size_t find(const void *items, size_t n, size_t size, const void *key,
                    int (*compare)(const void *, const void *), bool *found) {
     size_t low = 0;
@@ -53,7 +53,7 @@ static void insert_job(subscriptions *w, int64_t job) {
     }
 }
 
-/* Takes `field` over. */
+/* Insert a field, and take over its name. */
 static void insert_field(subscriptions *w, char *field) {
     bool found;
     const size_t i = find_field(w, field, &found);
@@ -66,7 +66,7 @@ static void insert_field(subscriptions *w, char *field) {
     w->n_fields++;
 }
 
-/* How many there would be, a name given twice counted twice. */
+/* Return the number of new subscriptions; a name given twice counts twice. */
 static size_t count_new(const subscriptions *w, const sheard_msg_subscribe *what) {
     size_t n = 0;
     bool found;

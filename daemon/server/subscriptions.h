@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/subscriptions.h: what a connection has subscribed to. */
+/* server/subscriptions.h: the jobs and fields that a connection watches. */
 #ifndef SHEARD_SERVER_SUBSCRIPTIONS_H
 #define SHEARD_SERVER_SUBSCRIPTIONS_H
 
@@ -12,13 +12,13 @@ typedef struct subscriptions {
     bool all, progress;
 } subscriptions;
 
-void subscriptions_deinit(subscriptions *w); /* may be zeroed */
-/* All of it or, on an error, nothing. `limit`: jobs and fields together. */
+void subscriptions_deinit(subscriptions *w); /* a zeroed struct is accepted */
+/* Add subscriptions, or none of them on an error. `limit` bounds jobs and fields together. */
 int subscriptions_add(subscriptions *w, const sheard_msg_subscribe *what, size_t limit,
                       sheard_rpc_error *error);
-/* Nothing named: everything. */
+/* Remove subscriptions; all of them if `what` names nothing. */
 void subscriptions_remove(subscriptions *w, const sheard_msg_subscribe *what);
-/* End the subscription to a job by its number. False: there was none. */
+/* End the subscription to a job by its number. Return false if there was none. */
 bool subscriptions_end_job(subscriptions *w, int64_t job);
 bool subscriptions_any(const subscriptions *w);
 bool subscriptions_match(const subscriptions *w, enum sheard_notice notice, int64_t job,

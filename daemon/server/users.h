@@ -1,44 +1,43 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/users.h: users, and which of them is next. Of those that have something to do, the one
- * that has had the least time is next: users first, then the user's connections. Time that somebody
- * did not ask for is not saved up, but for USERS_CREDIT_NS. */
+/* server/users.h: processor time per user, and which user and connection is served next. Of those
+ * that have something to do, the user charged with the least time is next, then the user's
+ * connection with the least. An idle user saves up at most USERS_CREDIT_NS. */
 #ifndef SERVER_USERS_H
 #define SERVER_USERS_H
 
 #include "server/connection.h"
 
-/* So much work may somebody who was quiet ask for before the others come first. */
+/* Processor time that an idle user or connection may be behind the others. */
 enum { USERS_CREDIT_NS = 1000000 };
 
 typedef struct server_user server_user;
 struct server_user {
-    TAILQ_ENTRY(server_user) link; /* of all users */
+    TAILQ_ENTRY(server_user) link; /* in the list of all users */
     uid_t uid;
-    size_t references;  /* connections, those that are being closed too */
-    size_t connections; /* that are open */
-    uint64_t used_ns;   /* time that it has had */
-    uint64_t clock_ns;  /* ... and, the least of its connections' that are ready */
-    connection **ready; /* [n] of [capacity], a heap: the one with the least time on top */
+    size_t references;  /* connections, including those being closed */
+    size_t connections; /* open connections */
+    uint64_t used_ns;   /* processor time charged to the user */
+    uint64_t clock_ns;  /* virtual time of its connections: the used_ns of the one served last */
+    connection **ready; /* [n] of [capacity], a heap with the least used_ns on top */
     size_t n, capacity;
-    connection_list deferred; /* whose deferred work waits, in the order of coming */
-    connection *at_work;      /* the one whose work is being done */
-    size_t held;              /* memory of replies that are not sent */
+    connection_list deferred; /* connections with deferred work, in order of arrival */
+    connection *at_work;      /* the connection whose deferred work is being done, or NULL */
+    size_t held;              /* bytes of unsent replies */
 };
 typedef TAILQ_HEAD(server_user_list, server_user) server_user_list;
 
-/* The record of a uid, with a reference for a connection more; NULL: out of memory. It has
- * capacity for all of the user's connections to be ready. `clock_ns`: the server's, see users_next.
- */
+/* Return the user of a uid, with one more reference, or NULL if out of memory. The heap then has
+ * capacity for all of the user's connections. `clock_ns` is the server's: see users_next. */
 server_user *users_join(server_user_list *all, uid_t uid, uint64_t clock_ns);
 void users_part(server_user_list *all, server_user *u);
 
-/* The connection is ready. */
+/* Add a connection that has something to do. */
 void users_add_ready(server_user *u, connection *c, uint64_t clock_ns);
 void users_remove_ready(server_user *u, connection *c);
-/* The connection that is next, out of its user's heap; NULL: nobody is ready. Moves *clock_ns on.
- */
+/* Remove the next connection from its user's heap and return it, or NULL if none is ready.
+ * *clock_ns is advanced to its user's time. */
 connection *users_next(server_user_list *all, uint64_t *clock_ns);
-/* It has had so much time. Not while it is ready. */
+/* Charge processor time to a connection, which must not be ready, and to its user. */
 void users_charge(connection *c, uint64_t ns);
 
 #endif
