@@ -16,7 +16,7 @@ static bool comes_first(const engine *e, const job *j) {
     return true;
 }
 
-/* Whether so much more may be reserved; idle plans give way to it. */
+/* Return whether `more` bytes can be reserved. Idle plans are freed for it. */
 static bool has_room(engine *e, int64_t more) {
     const int64_t left = e->budget.total - e->budget.reserved - more;
     return left >= 0 && plan_cache_shrink_to(e->plans, left) <= left;

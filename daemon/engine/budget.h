@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/budget.h: the memory that the jobs may take together ([limits] memory): what they have
- * reserved, and the kept plans, which several may share. A job reserves what it is going to take
- * before it takes it, and waits until there is room; it holds nothing while it waits, so that no
- * two wait for each other. The one that comes first in priority, then in time, is next, also where
- * a smaller one would fit: else a large one would wait for ever.
- *
- * Called by jobs' threads, without the engine's lock. */
+/* engine/budget.h: the memory that all jobs and kept plans may take together ([limits] memory). A
+ * job reserves memory before it allocates it, and waits until enough is free. It holds no
+ * reservation while it waits, so no two jobs wait for each other. The waiting job of the highest
+ * priority, then of the longest wait, is next, even if a smaller request would fit: otherwise a
+ * large one could wait for ever. Called by jobs' threads, without the engine's lock. */
 #ifndef SHEARD_ENGINE_BUDGET_H
 #define SHEARD_ENGINE_BUDGET_H
 
@@ -16,15 +14,16 @@
 
 enum budget_answer {
     BUDGET_RESERVED,
-    BUDGET_NEVER, /* more than there is for all */
+    BUDGET_NEVER, /* more than the whole budget */
     BUDGET_STOP   /* the job is to stop */
 };
 
-/* Give back what the job has reserved, wait for room, and reserve `bytes`. */
+/* Release the job's reservation, wait until `bytes` are free, and reserve them. */
 enum budget_answer budget_wait(job *j, int64_t bytes);
-/* Reserve `bytes` instead of what the job has now, if that is possible at once (of less, it is). */
+/* Change the job's reservation to `bytes`. Return false if they are not free now; a smaller
+ * reservation always succeeds. */
 bool budget_change(job *j, int64_t bytes);
-/* What all may take together, now. */
+/* Return the budget of all jobs and plans, in bytes. */
 int64_t budget_total(const job *j);
 
 #endif

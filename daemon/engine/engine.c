@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The calls of the owner. */
+/* Create the engine and its threads, and serve the calls of its owner. */
 #include "base/cleanup.h"
 #include "engine/internal.h"
 #include "engine/job_thread.h"
@@ -12,7 +12,8 @@
 
 CLEANUP_DEFINE(engine, engine_free)
 
-/* pthread_create, with all signals blocked in the new thread: they are the loop's. */
+/* Call pthread_create with all signals blocked in the new thread: the loop's thread handles them.
+ */
 static int start_thread(pthread_t *thread, void *(*start)(void *), void *argument) {
     sigset_t all;
     sigset_t before;
@@ -36,8 +37,8 @@ static job *find(engine *e, int64_t id) {
     return j;
 }
 
-/* A job that comes new starts level with the least served of the others: it is neither behind nor
- * owed their past. */
+/* Return the stamps served to the least served job. A new job starts with that number, so that it
+ * neither lags behind the others nor is owed their past. */
 static int64_t least_served(const engine *e) {
     int64_t least = INT64_MAX;
     for (const job *j = e->jobs; j != NULL; j = j->next)
@@ -142,7 +143,8 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a job");
     pthread_t thread;
     pthread_mutex_lock(&e->lock);
-    const int rc = start_thread(&thread, job_thread_main, j); /* it waits for the lock */
+    const int rc = start_thread(&thread, job_thread_main,
+                                j); /* it waits for the lock before it touches the list */
     if (rc == 0) {
         j->served = least_served(e);
         j->next = e->jobs;
@@ -158,7 +160,7 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* A copy; NULL where there are none, or memory is out: then the job begins again. */
+/* Return a copy, or NULL if `terms` is NULL or memory is out. */
 static shear_symmetry *copy_terms(const shear_symmetry *terms) {
     shear_symmetry *copy = NULL;
     if (terms == NULL || shear_symmetry_new(&copy, NULL) != SHEAR_OK)
@@ -171,7 +173,7 @@ static shear_symmetry *copy_terms(const shear_symmetry *terms) {
 }
 
 void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
-    /* Where memory is out for the checkpoint, the job begins again. */
+    /* If memory is out for the checkpoint, the job starts from the beginning. */
     char *sums = checkpoint != NULL ? strdup(checkpoint->sums) : NULL;
     shear_symmetry *terms = checkpoint != NULL ? copy_terms(checkpoint->terms) : NULL;
     pthread_mutex_lock(&e->lock);

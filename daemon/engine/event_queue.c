@@ -7,7 +7,7 @@
 struct queued_event {
     queued_event *next;
     engine_event event;
-    bool is_last; /* of `thread` */
+    bool is_last; /* the last event of `thread` */
     pthread_t thread;
 };
 
@@ -37,7 +37,7 @@ void event_queue_silence(event_queue *q) {
     pthread_mutex_unlock(&q->lock);
 }
 
-/* Where memory is out there is nothing better than to wait for some: events must not be lost. */
+/* Allocate an entry. If memory is out, wait for some: no event may be lost. */
 static queued_event *allocate(void) {
     enum { PAUSE_US = 10000 };
     queued_event *one = malloc(sizeof *one);

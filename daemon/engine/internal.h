@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/internal.h: what the files of the engine share.
- *
- * Threads: a worker measures, and does nothing that may wait for a strange file beyond one read. A
- * job has a thread of its own (job_thread.c), which opens it, starts and stops its reader, and
- * finishes it: hashing, a file that hangs and a slow disk hold up that job only.
- *
- * One lock guards the list of jobs and what job.h says. It is never held while a job is worked on;
- * a worker inside a job has counted itself into job->holders, and the job's thread frees the job
- * only when nobody holds it. */
+/* engine/internal.h: the engine's state, for its own files only. Threads: a worker measures, and
+ * waits for the files of a job only within one read. Each job has a thread of its own
+ * (job_thread.c), which opens it, starts and stops its reader, and finishes it: so hashing, a file
+ * that hangs and a slow disk delay that job only. One lock guards the list of jobs and the members
+ * named in job.h. It is never held while a job is worked on. A worker inside a job is counted in
+ * job->holders, and the job's thread frees the job only when that is 0. */
 #ifndef SHEARD_ENGINE_INTERNAL_H
 #define SHEARD_ENGINE_INTERNAL_H
 
@@ -22,28 +19,29 @@
 struct engine {
     engine_options options;
     char *program, *scratch;
-    atomic_llong scratch_used; /* bytes, by all readers */
+    atomic_llong scratch_used; /* bytes of unpacked copies, of all readers */
     pthread_t *threads;        /* workers */
     int n_threads;
-    plan_cache *plans;  /* has a lock of its own, which is acquired under this one's, never the
+    plan_cache *plans;  /* has a lock of its own, which may be acquired under `lock`, but not the
                            other way */
     event_queue events; /* likewise */
 
     pthread_mutex_t lock;
-    pthread_cond_t work_available; /* for workers: a job may have something to do, or `stopping` */
-    pthread_cond_t progressed;     /* for the jobs' threads: a job has come on, or memory is free;
-                                      and for engine_free */
+    pthread_cond_t
+        work_available;        /* workers wait for it: a job may have work, or `stopping` is set */
+    pthread_cond_t progressed; /* job threads and engine_free wait for it: a job has progressed,
+                                  memory is free, or a thread ends */
     bool stopping;
     job *jobs;
     struct {
         int64_t total, reserved, tickets;
     } budget;        /* budget.h */
-    int job_threads; /* that have not ended */
+    int job_threads; /* job threads that have not ended */
     int busy;
     int64_t stamps_total;
 };
 
-/* Called where the lock is held. */
+/* Assert that the engine's lock is held. */
 #define ENGINE_ASSERT_LOCKED(e) assert(pthread_mutex_trylock(&(e)->lock) == EBUSY)
 
 #endif

@@ -57,7 +57,7 @@ void job_free(job *j) {
     free(j->sums_before);
     shear_work_free(j->work);
     reader_stop(j->reader);
-    shear_catalog_suspend(j->catalog); /* for the next attempt, if there is one */
+    shear_catalog_suspend(j->catalog); /* kept for the next attempt, if there is one */
     shear_field_sums_free(j->before);
     shear_symmetry_free(j->terms_before);
     pthread_mutex_destroy(&j->saving);
@@ -71,7 +71,7 @@ void job_free(job *j) {
 void job_call_workers(const job *j) {
     engine *e = j->engine;
     ENGINE_ASSERT_LOCKED(e);
-    /* One will do, unless it may be one that the job has no memory for. */
+    /* Waking one worker is enough, unless it may be one that the job has no memory for. */
     if (j->team_size < j->workers) {
         pthread_cond_broadcast(&e->work_available);
     } else {

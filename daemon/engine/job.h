@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/job.h: one job inside the engine: its reader, plan and work. The engine's lock guards the
- * members from `phase` to `waiting_since`; the rest belongs to the job's own thread, or is
- * thread-safe by itself. */
+/* engine/job.h: one job in the engine: its reader, plan and work. The engine's lock guards the
+ * members from `phase` to `waiting_since`, checkpoint_block and checkpoint_ms; `saving` guards
+ * terms_saved and terms_block. The rest belongs to the job's own thread, is not changed while
+ * workers use it, or is thread-safe. */
 #ifndef SHEARD_ENGINE_JOB_H
 #define SHEARD_ENGINE_JOB_H
 
@@ -15,10 +16,10 @@
 #include <pthread.h>
 
 enum job_phase {
-    JOB_PREPARING, /* its own thread has it */
-    JOB_OPENED,    /* waits for the owner's word, or begins */
-    JOB_MEASURING, /* workers have it */
-    JOB_FINISHING  /* its own thread has it */
+    JOB_PREPARING, /* the job's own thread works on it */
+    JOB_OPENED,    /* it waits for engine_go, or begins */
+    JOB_MEASURING, /* workers measure it */
+    JOB_FINISHING  /* the job's own thread works on it */
 };
 
 typedef struct job {
@@ -28,20 +29,21 @@ typedef struct job {
     int priority;
     enum job_phase phase;
     bool go, stop_asked;
-    atomic_bool stopping;  /* stop_asked, for the reader, which does not know the lock */
-    atomic_int stage;      /* enum engine_stage, for engine_get_progress */
-    atomic_llong hashed;   /* bytes of the files */
-    int64_t bytes;         /* of the files, in all */
-    int64_t served;        /* stamps of whole units of work, for fairness */
-    int64_t counted;       /* stamps measured that are in the engine's total */
-    int holders;           /* workers that are at this job */
-    int reading;           /* of those, the ones that read, or are about to */
-    bool *entering;        /* [workers] about to read for the first time in its unit of work */
-    int team_size;         /* workers that may serve it: memory is reserved for so many */
-    int members;           /* those that do, up to now */
-    bool *is_member;       /* [workers] */
-    int64_t reserved;      /* bytes of the budget */
-    int64_t waiting_since; /* it waits for memory: its ticket; else 0 */
+    atomic_bool stopping; /* copy of stop_asked for the reader, which does not use the lock */
+    atomic_int stage;     /* enum engine_stage, for engine_get_progress */
+    atomic_llong hashed;  /* bytes hashed so far */
+    int64_t bytes;        /* bytes of all files */
+    int64_t served;       /* stamps of the work units begun, counted as whole units; for fairness */
+    int64_t counted;      /* measured stamps included in the engine's total */
+    int holders;          /* workers inside this job */
+    int reading;          /* of those, the ones that read or are about to */
+    bool *entering;   /* [workers] whether the worker has not yet begun the first read of its work
+                         unit */
+    int team_size;    /* most workers that may serve it: memory is reserved for these */
+    int members;      /* workers that have served it */
+    bool *is_member;  /* [workers] whether the worker has served it */
+    int64_t reserved; /* bytes of the budget */
+    int64_t waiting_since; /* its ticket while it waits for memory, else 0 */
 
     job_files files;
     char *catalog_path;
@@ -50,57 +52,59 @@ typedef struct job {
     int workers;
 
     reader *reader;
-    const shear_plan *plan; /* the engine's; given back at the end */
+    const shear_plan *plan; /* the plan cache's; released at the end */
     shear_catalog *catalog;
-    int64_t first_block;          /* the checkpoint's, 0: none */
-    char *sums_before;            /* and its sums as text */
-    shear_field_sums *before;     /* these; joined to the work's at the end */
-    shear_symmetry *terms_before; /* of the same stamps; NULL: none, or estimator is not pdf-sym */
-    pthread_mutex_t saving; /* held from making a checkpoint to queueing it; guards the next two */
-    size_t terms_saved;     /* of the work's: those that a checkpoint has had */
-    int64_t terms_block;    /* ... and the block that they end before */
+    int64_t first_block;          /* next_block of the checkpoint it resumes from; 0: none */
+    char *sums_before;            /* the checkpoint's sums as text */
+    shear_field_sums *before;     /* the same, parsed; added to the work's at the end */
+    shear_symmetry *terms_before; /* terms of the same stamps; NULL if there are none */
+    pthread_mutex_t saving;       /* held from making a checkpoint to queueing it */
+    size_t terms_saved;           /* terms of the work that checkpoints have had */
+    int64_t terms_block;          /* first block whose terms no checkpoint has had */
     shear_unit_size size;
     shear_work *work;
     char checksum[SHEAR_CHECKSUM_SIZE];
-    shear_worker **team;      /* [workers], made by each thread when it first comes */
+    shear_worker **team;      /* [workers], each made by its thread at the first work unit */
     int64_t checkpoint_block; /* next_block of the last checkpoint */
-    int64_t checkpoint_ms;    /* when it was */
+    int64_t checkpoint_ms;    /* time of the last checkpoint */
     double started_s;
 } job;
 
-/* NULL: out of memory; the files are closed. */
+/* Create a job. Return NULL if out of memory: the files are closed then, too. */
 job *job_new(const engine_job *spec, engine *e);
 void job_free(job *j);
 
 /* ---- under the engine's lock ---- */
 
-/* The job may have something for a worker. */
+/* Wake workers: the job may have work. The lock is held. */
 void job_call_workers(const job *j);
-/* Has a job that is being measured nothing left to do, and no worker in it? */
+/* Return whether a job that is being measured has no work left and no worker inside. The lock is
+ * held. */
 bool job_is_measured(const job *j);
 
 /* ---- job_prepare.c ---- */
 
-/* Open, hash, reserve memory, plan: fills OPENED, FAILED or STOPPED into *event. */
+/* Open and hash the files, reserve memory and make the plan. *event becomes OPENED, FAILED or
+ * STOPPED. */
 void job_prepare(job *j, engine_event *event);
 
 /* ---- job_measure.c ---- */
 
-/* Make its work, from the checkpoint where there is one, and the rows before it are in the
- * catalog. SHEAR_OK or an error. */
+/* Create the job's work, from the checkpoint if there is one and the catalog has the rows before
+ * it. Return SHEAR_OK or an error. */
 int job_begin(job *j, shear_error *err);
-/* One unit of work on behalf of worker thread `slot`; false where nothing is left to do. */
+/* Do one work unit on worker thread `slot`. Return false if no work is left. */
 bool job_step(job *j, int slot, shear_error *err);
 
 /* ---- job_result.c ---- */
 
-/* Queue a CHECKPOINT: the sums of all blocks so far, and the terms that the last checkpoint had
- * not; their rows in the catalog are on disk then. Where a file has changed, the work fails. */
+/* Queue a CHECKPOINT: the sums of all blocks so far, and the terms since the last checkpoint. Its
+ * rows of the catalog are on disk by then. If a file has changed, the work fails. */
 void job_save_checkpoint(job *j);
-/* All work is over: DONE, FAILED or STOPPED into *event. */
+/* Finish a job whose work has ended: *event becomes DONE, FAILED or STOPPED. */
 void job_finish(job *j, engine_event *event);
-/* The last event of a job that cannot go on for `err`. That a file has changed is the better
- * reason. */
+/* Return the last event of a job that ended with `err`. If a file has changed, that replaces `err`.
+ */
 enum engine_event_kind job_failure_event(const job *j, shear_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job that is being measured: where it goes on, and one unit of its work. */
+/* Measure a job: resume it from a checkpoint, and do one unit of its work. */
 #include "base/clock.h"
 #include "engine/internal.h"
 
@@ -12,8 +12,8 @@ static int sync_rows(void *self, int64_t rows, shear_error *err) {
     return shear_catalog_sync(self, rows, err);
 }
 
-/* The rows before the checkpoint must be there: where they are not, *first_block becomes 0 and the
- * work begins again. */
+/* Open the catalog, which must have the rows before the checkpoint. If it does not, *first_block
+ * becomes 0, and the job starts from the beginning. */
 static int open_catalog(job *j, int64_t *first_block, shear_error *err) {
     const shear_field_info *info = reader_get_info(j->reader);
     const int64_t rows = *first_block * SHEAR_BLOCK;
@@ -28,7 +28,7 @@ static int open_catalog(job *j, int64_t *first_block, shear_error *err) {
     return shear_catalog_begin(&j->catalog, j->catalog_path, info, j->checksum, err);
 }
 
-/* The first read of a worker that has come in was counted when it came. */
+/* Count a worker that begins to read. Its first read was counted when it entered the job. */
 static void count_reader(job *j, int slot) {
     pthread_mutex_lock(&j->engine->lock);
     j->reading += !j->entering[slot];
@@ -53,8 +53,8 @@ static int read_block(void *self, int slot, int64_t first, int count, const shea
     return code;
 }
 
-/* The checkpoint's sums; none where the terms of their stamps are not with them: then the work
- * begins again. */
+/* Parse the checkpoint's sums. If the terms of the same stamps are missing, *first_block becomes 0,
+ * and the job starts from the beginning. */
 static int read_sums_before(job *j, int64_t *first_block, shear_error *err) {
     shear_result r;
     *first_block = 0;
@@ -78,7 +78,7 @@ static void forget_before(job *j) {
     j->terms_before = NULL;
 }
 
-/* The sums before, the catalog and where the work begins. */
+/* Load the checkpoint and open the catalog. *first_block is where the work begins. */
 static int resume(job *j, int64_t *first_block, shear_error *err) {
     const int code = read_sums_before(j, first_block, err);
     return code != SHEAR_OK ? code : open_catalog(j, first_block, err);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job until it can be measured: its files are open in its reader, hashed, and there are memory
- * and a plan for it. */
+/* Prepare a job: open its files in its reader, hash them, reserve memory, and make the plan. */
 #include "base/cleanup.h"
 #include "engine/budget.h"
 #include "engine/internal.h"
@@ -8,11 +7,11 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* Terms of a stamp are in memory three times when a job ends: the work's, all of them together, and
- * as bytes for the store. */
+/* Copies of a stamp's terms in memory when a job ends: the work's, the job's sums, and the bytes
+ * for the store. */
 enum { TERMS_COPIES = 3 };
 
-/* PSFs through the reader, in the form that the library asks for. */
+/* Read a PSF from the reader, as the read function of shear_psf_source. */
 static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
     job *j = self;
     const shear_geometry *g = &reader_get_info(j->reader)->geometry;
@@ -26,7 +25,7 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
 
 /* ---- memory ---- */
 
-/* What the job takes beside its plan, with so many workers. */
+/* Return the bytes that the job takes beside its plan, with `team` workers. */
 static int64_t beside_plan(const job *j, int team) {
     int64_t bytes = reader_shared_bytes(j->reader) + team * shear_worker_bytes(j->plan, j->size);
     if (shear_estimator_is_symmetric(j->settings.estimator))
@@ -34,7 +33,7 @@ static int64_t beside_plan(const job *j, int team) {
     return bytes;
 }
 
-/* As many workers as there can ever be memory for; 0: not even for one. */
+/* Return the number of workers that the whole budget has memory for; 0: not even one. */
 static int team_for(const job *j) {
     const int64_t left = budget_total(j) - shear_plan_bytes(j->plan);
     int team = j->workers;
@@ -63,8 +62,8 @@ static int reserve(job *j, int64_t bytes, shear_error *err) {
     }
 }
 
-/* Memory for planning, and the plan; then it is known what the rest takes. Where there is no room
- * for that now, the plan is released, and both are waited for together. */
+/* Reserve memory for planning and make the plan; only then is it known how much the job takes
+ * beside it. If that is not free now, release the plan, and wait for both together. */
 static int plan_within_budget(job *j, const shear_plan_request *request, shear_error *err) {
     plan_cache *plans = j->engine->plans;
     shear_memory memory;
@@ -91,8 +90,8 @@ static int plan_within_budget(job *j, const shear_plan_request *request, shear_e
     }
 }
 
-/* The PSF and the sample's rings are read into memory that is reserved only then: it is no more
- * than the shared memory. */
+/* Read what the plan is made from, and make it. The PSF and the sample are read before memory is
+ * reserved for them; they are no larger than the shared memory. */
 static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
     const shear_psf_source psfs = {.self = j, .read = read_psf};
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};

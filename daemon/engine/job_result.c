@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a job has measured: its checkpoints, and its result. */
+/* Make a job's checkpoints and its result. */
 #include "base/cleanup.h"
 #include "base/clock.h"
 #include "engine/internal.h"
 
 #include <stdlib.h>
 
-/* What has been measured so far. */
+/* The sums and terms of the blocks measured so far. */
 typedef struct job_sums {
-    shear_field_sums *sums; /* the checkpoint's and the work's, together */
-    shear_symmetry *terms;  /* or NULL */
+    shear_field_sums *sums; /* of the checkpoint and of the work, together */
+    shear_symmetry *terms;  /* or NULL if the estimator is not symmetric */
     int64_t next_block;
 } job_sums;
 
@@ -18,7 +18,7 @@ static void job_sums_deinit(job_sums *f) {
     shear_symmetry_free(f->terms);
 }
 
-/* Terms: the work's from the `from`-th on. */
+/* Join all sums, and the work's terms from number `from` on. */
 static int job_sums_join(job_sums *f, const job *j, size_t from, shear_error *err) {
     int code = shear_field_sums_new(&f->sums, err);
     if (code != SHEAR_OK)
@@ -36,7 +36,7 @@ static int job_sums_join(job_sums *f, const job *j, size_t from, shear_error *er
     return SHEAR_OK;
 }
 
-/* Into an event: sums as text, terms as bytes. */
+/* Write the sums as text and the terms as bytes into an event. */
 static int job_sums_write(const job_sums *f, engine_event *event, shear_error *err) {
     event->next_block = f->next_block;
     if (f->terms != NULL) {
@@ -51,13 +51,14 @@ static int job_sums_write(const job_sums *f, engine_event *event, shear_error *e
 
 /* ---- checkpoints ---- */
 
-/* `saving` is held. */
+/* Fill a CHECKPOINT. The lock `saving` is held. */
 static int make_checkpoint(job *j, engine_event *event, shear_error *err) {
     CLEANUP(job_sums_deinit) job_sums f = {0};
     int code = job_sums_join(&f, j, j->terms_saved, err);
     if (code != SHEAR_OK)
         return code;
-    code = job_files_check(&j->files, err); /* after the blocks have been read */
+    code =
+        job_files_check(&j->files, err); /* only a check after the blocks were read covers them */
     if (code != SHEAR_OK) {
         shear_work_fail(j->work, err);
         return code;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One job, on a thread of its own. The reader is started by this thread and lives no
- * longer than it: the kernel kills a child whose parent thread ends (PR_SET_PDEATHSIG). */
+/* Run one job in a thread of its own. This thread starts the reader, and must outlive it: the
+ * kernel kills a child whose parent thread ends (PR_SET_PDEATHSIG). */
 #include "engine/job_thread.h"
 
 #include "engine/internal.h"
@@ -11,7 +11,7 @@ static void set_phase(engine *e, job *j, enum job_phase phase) {
     pthread_mutex_unlock(&e->lock);
 }
 
-/* Wait for the owner's word. True: measure it; false: it is to be stopped. */
+/* Wait for engine_go or a stop. Return true if the job is to be measured. */
 static bool wait_for_go(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
     while (!j->go && !j->stop_asked)
@@ -21,13 +21,13 @@ static bool wait_for_go(engine *e, job *j) {
     return go;
 }
 
-/* Let the workers in, and wait until they are through. */
+/* Let the workers measure the job, and wait until they have finished. */
 static void wait_until_measured(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
     assert(j->phase == JOB_OPENED);
     j->phase = JOB_MEASURING;
-    j->counted =
-        shear_work_get_status(j->work).stamps_done; /* from a checkpoint: before our time */
+    j->counted = shear_work_get_status(j->work)
+                     .stamps_done; /* not 0 after a checkpoint: those were counted before */
     atomic_store(&j->stage, ENGINE_MEASURING);
     if (j->stop_asked)
         shear_work_stop(j->work);
@@ -39,7 +39,7 @@ static void wait_until_measured(engine *e, job *j) {
     pthread_mutex_unlock(&e->lock);
 }
 
-/* From the open file to the last event. */
+/* Measure an opened job. *event becomes its last event. */
 static void measure(engine *e, job *j, engine_event *event) {
     *event = (engine_event){.kind = ENGINE_STOPPED, .job = j->id};
     if (!wait_for_go(e, j))

@@ -15,7 +15,7 @@ static int64_t least(int64_t a, int64_t b) {
     return a < b ? a : b;
 }
 
-/* "max", or a number. */
+/* Return the number in a file of the group; INT64_MAX for "max" or if there is no such file. */
 static int64_t read_limit(const char *group, const char *name) {
     char path[PATH_SIZE + 512];
     char line[32] = "";
@@ -28,7 +28,7 @@ static int64_t read_limit(const char *group, const char *name) {
     return text_to_int64(line, &bytes) && bytes > 0 ? bytes : INT64_MAX;
 }
 
-/* The line "0::/path" of version 2. */
+/* Read the group's name from the line "0::/path", that of version 2. */
 static void read_group(const char *membership, char *group, size_t size) {
     char line[PATH_SIZE];
     CLEANUP(release_file) FILE *f = fopen(membership, "re");

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/machine.h: what this process may use of the machine. */
+/* engine/machine.h: the memory that this process may use. */
 #ifndef SHEARD_ENGINE_MACHINE_H
 #define SHEARD_ENGINE_MACHINE_H
 
 #include <stdint.h>
 
-/* Bytes of memory: of the machine, or less where RLIMIT_AS or a control group says so. */
+/* Return the memory of the machine in bytes, or less if RLIMIT_AS or a control group limits it. */
 int64_t machine_memory(void);
 
-/* The least memory.max or memory.high of the version 2 control group that the file `membership`
- * (/proc/self/cgroup) names beneath `root` (/sys/fs/cgroup), and of those above it; INT64_MAX
- * where there is no limit. */
+/* Return the least memory.max or memory.high, in bytes, of a version 2 control group and its
+ * parents, or INT64_MAX if there is no limit. `membership` (/proc/self/cgroup) is a file with the
+ * group's name, `root` (/sys/fs/cgroup) the directory of all groups. */
 int64_t machine_cgroup_memory(const char *membership, const char *root);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One lock guards the list; no plan is made and no PSF is read under it. Two threads that miss the
- * same plan at the same time both make it, and the later one takes the earlier one's. */
+/* One lock guards the list. No plan is made and no PSF is read while it is held. If two threads
+ * lack the same plan at the same time, both make it, and the later one uses that of the earlier
+ * one. */
 #include "engine/plan_cache.h"
 
 #include "base/cleanup.h"
@@ -27,14 +28,14 @@ typedef struct kept_plan {
 
 struct plan_cache {
     pthread_mutex_t lock;
-    TAILQ_HEAD(plan_list_head, kept_plan) list; /* last used first */
+    TAILQ_HEAD(plan_list_head, kept_plan) list; /* most recently used first */
     int64_t max_count, max_bytes;
     plan_cache_statistics statistics;
 };
 
 /* ---- keys ---- */
 
-/* All that a plan depends on, as bytes: equal keys, equal plans. */
+/* Make a key of all that a plan depends on: equal keys mean equal plans. */
 static bool key_make(key *k, const shear_plan_request *request) {
     const shear_geometry *g = &request->geometry;
     size_t n_settings = 0;
@@ -101,8 +102,7 @@ static void kept_free(kept_plan *kept) {
 
 CLEANUP_DEFINE(kept_plan, kept_free)
 
-/* Give up idle plans, the one that was used longest ago first, until the rest is within the bounds.
- */
+/* Free idle plans, the least recently used first, until the rest is within the limits. */
 static void shrink(plan_cache *p, int64_t max_count, int64_t max_bytes) {
     kept_plan *next = NULL;
     for (kept_plan *kept = TAILQ_LAST(&p->list, plan_list_head); kept != NULL; kept = next) {
@@ -147,7 +147,7 @@ void plan_cache_free(plan_cache *p) {
     free(p);
 }
 
-/* Make what was not found, and keep it, unless another thread has done so meanwhile. */
+/* Make a plan and keep it, unless another thread has kept an equal one meanwhile. */
 static int make(plan_cache *p, key *k, const shear_plan_request *request, const shear_plan **plan,
                 shear_error *err) {
     CLEANUP(kept_plan_release) kept_plan *fresh = calloc(1, sizeof *fresh);

@@ -7,15 +7,16 @@
 
 /* ---- under the lock ---- */
 
-/* Whether a worker could measure something of the job now. While another one reads, it could only
- * wait for the reader, and if that hangs, for long: there may be other jobs. */
+/* Return whether a worker could measure a part of the job now. While another worker reads, this one
+ * would only wait for the reader, maybe for long: it had better serve another job. */
 static bool wants_worker(const job *j, int slot) {
     return j->phase == JOB_MEASURING && j->reading == 0 &&
            (j->is_member[slot] || j->members < j->team_size) &&
            !shear_work_get_status(j->work).exhausted;
 }
 
-/* The job to serve next: highest priority, then the one that was served least. */
+/* Return the job to serve next: of the highest priority, and of these the least served one. NULL:
+ * there is no work. */
 static job *choose(engine *e, int slot) {
     job *best = NULL;
     for (job *j = e->jobs; j != NULL; j = j->next) {
@@ -30,8 +31,7 @@ static job *choose(engine *e, int slot) {
 
 /* ---- measuring ---- */
 
-/* Whether this thread is the one to write the checkpoint that is due; it is not due again at once.
- */
+/* Return whether a checkpoint is due that this thread has to write. It is due once only. */
 static bool checkpoint_due(engine *e, job *j) {
     const int64_t now = clock_ms(CLOCK_MONOTONIC);
     const int64_t next_block = shear_work_get_status(j->work).next_block;
@@ -46,14 +46,15 @@ static bool checkpoint_due(engine *e, job *j) {
     return due;
 }
 
-/* A file's last unit of work has fewer stamps than others. The lock is held. */
+/* Add the newly measured stamps to the engine's total (work units differ in size). The lock is
+ * held. */
 static void count_stamps(engine *e, job *j) {
     const int64_t done = shear_work_get_status(j->work).stamps_done;
     e->stamps_total += done - j->counted;
     j->counted = done;
 }
 
-/* Serve a job once; the lock is held on entry and on return. */
+/* Do one work unit of a job. The lock is held on entry and on return. */
 static void serve(engine *e, job *j, int slot) {
     const int64_t unit = (int64_t)j->size.blocks * SHEAR_BLOCK;
     shear_error err;

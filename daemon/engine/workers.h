@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/workers.h: the threads that measure. */
+/* engine/workers.h: the worker threads, which measure the stamps of all jobs. */
 #ifndef SHEARD_ENGINE_WORKERS_H
 #define SHEARD_ENGINE_WORKERS_H
 
@@ -10,7 +10,7 @@ typedef struct worker_start {
     int slot;
 } worker_start;
 
-/* A worker's thread; the argument is a worker_start, which is freed. It ends with the engine. */
+/* Run a worker until the engine stops. The argument is a worker_start, which is freed. */
 void *worker_main(void *start);
 
 #endif
