@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard-reader: the child that reads the FITS files of one job for the daemon. All of CFITSIO that
- * ever sees a stranger's bytes runs here, sandboxed before the first of them is read. Descriptors
- * and arguments: reader/wire.h. */
+/* The program sheard-reader: read the FITS files of one job for the daemon. CFITSIO sees the bytes
+ * of untrusted files only here, after the sandbox has been entered. For descriptors and arguments
+ * see reader/wire.h. */
 #include "base/clock.h"
 #include "reader/sandbox.h"
 #include "reader/wire.h"
@@ -21,9 +21,9 @@ typedef struct child {
     unsigned guards;        /* enum sandbox_guard */
     shear_field *field;
     shear_hashing *hashing;
-    char *memory; /* PSF area, then slots */
+    char *memory; /* shared: the PSF area, then the slots */
     size_t memory_bytes;
-    reader_request map; /* the sizes that the daemon chose */
+    reader_request map; /* the sizes that the daemon has set */
 } child;
 
 static int do_open(child *c, reader_reply *reply, shear_error *err) {
@@ -59,8 +59,8 @@ static int do_stamps(child *c, const reader_request *r, reader_reply *reply, she
     return code;
 }
 
-/* The content's hash, for so long or so far: what asks may want to stop, and to show how far it is.
- */
+/* Hash the next part of the content, for a limited time: in between, the daemon may stop, and show
+ * the progress. */
 static int do_hash(child *c, reader_reply *reply, shear_error *err) {
     enum { STEP = 1 << 20, STEPS = 256, SLICE_MS = 250 };
     const int64_t end_ms = clock_ms(CLOCK_MONOTONIC) + SLICE_MS;
@@ -109,7 +109,7 @@ static int serve(child *c) {
     for (;;) {
         const ssize_t got = recv(READER_FD_SOCKET, &request, sizeof request, 0);
         if (got == 0 || (got < 0 && errno != EINTR)) {
-            return 0; /* the daemon is done with us */
+            return 0; /* the daemon has closed the socket */
         }
         if (got != (ssize_t)sizeof request || request.version != READER_WIRE_VERSION)
             continue;
@@ -120,7 +120,7 @@ static int serve(child *c) {
     }
 }
 
-/* What to read: the names for messages, and the descriptors. */
+/* Read the names, which are for messages, and set the descriptors. */
 static void read_input(child *c, int argc, char **argv) {
     c->input = shear_input_of_file(argc == READER_ARGS_FILE ? argv[READER_ARG_FIRST_NAME] : NULL);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
@@ -133,7 +133,7 @@ static void read_input(child *c, int argc, char **argv) {
                                                    .hdu = strtoll(part[1], NULL, 10),
                                                    .extname = part[2][0] != '\0' ? part[2] : NULL};
         } else if (!given) {
-            close(READER_FD_FILE + i); /* whatever the daemon was started with */
+            close(READER_FD_FILE + i); /* a descriptor that the daemon may have inherited */
         }
     }
 }

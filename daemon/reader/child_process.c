@@ -16,7 +16,8 @@ static void describe_end(int status, char *out, size_t size) {
     }
 }
 
-/* Wait for a second, as waitpid does: 0 where it has not ended then. */
+/* Wait at most a second for the process to end. Return as waitpid does; 0 means that it has not
+ * ended. */
 static pid_t wait_for_end(pid_t pid, int *status) {
     enum { TRIES = 200 };
     const struct timespec pause = {.tv_nsec = 5000000};
@@ -34,8 +35,8 @@ int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size) {
     pid_t got = kill_now ? 0 : wait_for_end(*pid, &status);
     if (got == 0) {
         kill(*pid, SIGKILL);
-        /* Not for ever: a process that sleeps in a dead file server cannot be killed, and
-         * must not hold up the caller. It is left to the system. */
+        /* The wait is bounded: a process blocked in a dead file server cannot be killed, and must
+         * not delay the caller. Then it is left to the system. */
         got = wait_for_end(*pid, &status);
     }
     *pid = 0;

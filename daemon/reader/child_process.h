@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/child_process.h: the end of a child process. */
+/* reader/child_process.h: wait for the end of a child process. */
 #ifndef SHEARD_READER_CHILD_PROCESS_H
 #define SHEARD_READER_CHILD_PROCESS_H
 
@@ -7,9 +7,9 @@
 #include <stddef.h>
 #include <sys/types.h>
 
-/* Reap the child (*pid becomes 0) and tell how it ended, into end[size]. Returns its exit code, -1
- * where it has none. Unless it is to be killed now, it has a second: a child whose socket is closed
- * may still be dying. */
+/* Reap the child (*pid becomes 0), and describe how it ended in end[size]. Return its exit code, or
+ * -1 if it has none. With kill_now it is killed at once; otherwise it has a second to end by
+ * itself, because a child whose socket is closed may still be ending. */
 int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size);
 
 #endif

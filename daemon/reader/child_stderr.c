@@ -12,7 +12,8 @@ int child_stderr_pipe(int ends[2]) {
     return pipe2(ends, O_CLOEXEC | O_NONBLOCK) == 0 ? 0 : errno;
 }
 
-/* In a build with sanitizers a report belongs into the log, where the tests look for it, whole. */
+/* Copy the bytes to the daemon's standard error in a build with sanitizers: tests look for the
+ * whole reports in the log. */
 static void pass_on(const char *bytes, size_t n) {
 #ifdef SHEAR_SANITIZED
     fwrite(bytes, 1, n, stderr);

@@ -12,20 +12,20 @@
 
 /* ---- failures of the child itself ---- */
 
-/* The failure that is remembered. */
+/* Return the recorded failure. */
 static int fail_again(const reader *r, shear_error *err) {
     if (err != NULL)
         *err = r->failure;
     return r->failed;
 }
 
-/* Exit codes of the dynamic linker, and of a shell, for a program that never came to its first
- * line. */
+/* Return whether the exit code is that of the dynamic linker, or of a shell, for a program that did
+ * not start. */
 static bool never_started(int exit_code) {
     return exit_code == 126 || exit_code == 127;
 }
 
-/* What happened, for people, into why[]. Returns the code that it is to have. */
+/* Describe the failure in why[]. Return the code to record. */
 static int find_reason(reader *r, int code, char *why, size_t size) {
     char end[160] = "it is gone";
     char said[240] = "";
@@ -59,8 +59,9 @@ bool exchange_is_stopping(const reader *r) {
     return r->stop != NULL && atomic_load(r->stop);
 }
 
-/* SHEAR_OK when there is something to receive; READER_E_HUNG, READER_E_STOPPED; or, with an error,
- * that its unpacked copies cannot stay. */
+/* Wait for a reply. Return SHEAR_OK if there is something to receive, READER_E_HUNG,
+ * READER_E_STOPPED, or, with *err filled, the code of scratch_check if the unpacked copies take too
+ * much room. */
 static int wait_for_answer(reader *r, shear_error *err) {
     enum { LOOK_MS = 50, GRACE_MS = 700 };
     struct pollfd p = {.fd = r->socket, .events = POLLIN};
@@ -73,7 +74,7 @@ static int wait_for_answer(reader *r, shear_error *err) {
                                      : left_ms < LOOK_MS ? left_ms
                                                          : LOOK_MS));
         if (ready > 0 || (ready < 0 && errno != EINTR)) {
-            return SHEAR_OK; /* an error is recv's to tell */
+            return SHEAR_OK; /* recv reports the error, if there is one */
         }
         const int code = scratch_check(&r->scratch, false, err);
         if (code != SHEAR_OK)
@@ -89,8 +90,8 @@ static int wait_for_answer(reader *r, shear_error *err) {
     }
 }
 
-/* What the child says went wrong. That it is short of memory is told apart from the daemon's own
- * shortage. */
+/* Return the error that the child reports. Its lack of memory has a code apart from that of the
+ * daemon's. */
 static int failed_answer(const reader_reply *reply, shear_error *err) {
     const bool memory = reply->code == SHEAR_E_NOMEM;
     const int code = memory ? READER_E_MEMORY : reply->code;
@@ -103,8 +104,8 @@ static int failed_answer(const reader_reply *reply, shear_error *err) {
     return code;
 }
 
-/* A child that has ended may have told why before: that comes after the error that its end is. It
- * is not waited for. */
+/* Receive without waiting. The message of a child that has ended comes after the error of its end,
+ * so it takes a second call. */
 static ssize_t receive(const reader *r, reader_reply *reply) {
     ssize_t got = recv(r->socket, reply, sizeof *reply, MSG_DONTWAIT);
     if (got < 0 && (errno == ECONNRESET || errno == EPIPE))
@@ -112,7 +113,8 @@ static ssize_t receive(const reader *r, reader_reply *reply) {
     return got;
 }
 
-/* Its unpacked copies are too large, or others need the room. */
+/* Kill the child: its unpacked copies are too large, or others need the room. Return the error
+ * `why`. */
 static int evict(reader *r, const shear_error *why, shear_error *err) {
     char ignored[160];
     if (r->pid > 0)
@@ -127,7 +129,7 @@ static bool is_reply_to(const reader_request *request, const reader_reply *reply
            reply->op == request->op && reply->code >= 0 && reply->code <= SHEAR_E_FULL;
 }
 
-/* Send the request and receive its reply. */
+/* Send the request and receive its reply, or record a failure. */
 static int converse(reader *r, const reader_request *request, const char *what, reader_reply *reply,
                     shear_error *err) {
     shear_error why;
@@ -160,7 +162,7 @@ int exchange_ask(reader *r, const reader_request *request, const char *what, rea
     const bool full = reply->code == SHEAR_E_FULL;
     const int kept = scratch_check(&r->scratch, full, &why);
     if (kept != SHEAR_OK && (full || reply->code == SHEAR_OK || kept == SHEAR_E_FORMAT)) {
-        return evict(r, &why, err); /* what never fits is the cause, whatever the reader found */
+        return evict(r, &why, err); /* a file that can never fit is the cause of any error */
     }
     return reply->code == SHEAR_OK ? SHEAR_OK : failed_answer(reply, err);
 }

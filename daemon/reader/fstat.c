@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fstat by its own system call, for the whole program sheard-reader: libc's is a call that takes a
- * path, which the sandbox does not allow. */
+/* Define fstat by its own system call, for the program sheard-reader. The fstat of libc makes a
+ * system call that takes a path, which the sandbox does not allow. */
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>

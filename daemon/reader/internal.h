@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/internal.h: the daemon's side of a reader child. */
+/* reader/internal.h: the state of a reader, on the daemon's side. */
 #ifndef SHEARD_READER_INTERNAL_H
 #define SHEARD_READER_INTERNAL_H
 
@@ -12,11 +12,12 @@ struct reader {
     pid_t pid; /* 0 once reaped */
     int socket;
     int memory_fd;
-    int child_stderr; /* what it writes there: child_stderr.h */
+    int child_stderr; /* read end of the child's standard error: child_stderr.h */
     int timeout_ms;
     const atomic_bool *stop;
     int64_t shared_bytes;
-    int failed; /* enum reader_code after the first failure of the child itself */
+    int failed; /* code of the first failure of the child itself, returned by all later calls; 0:
+                   none */
     shear_error failure;
     shear_field_info info;
     unsigned guards;
@@ -24,7 +25,7 @@ struct reader {
     char *memory;
     size_t memory_bytes, psf_bytes, slot_bytes;
     int slots, capacity;
-    shear_block *blocks; /* [slots] views into memory */
+    shear_block *blocks; /* [slots] views into the shared memory */
 };
 
 #endif

@@ -13,7 +13,7 @@
 
 enum { N_FDS = READER_FD_END - READER_FD_SOCKET, NUMBER = 24 };
 
-/* The child's arguments, and what their numbers are kept in. */
+/* The child's arguments, with buffers for the numbers. */
 typedef struct arguments {
     char numbers[4][NUMBER];
     char hdus[SHEAR_N_PARTS][NUMBER];
@@ -42,8 +42,9 @@ static void fill_arguments(arguments *a, const shear_input *input, int n_scratch
     a->argv[n] = NULL;
 }
 
-/* Duplicates above the fixed numbers first, so that no dup2 in the child overwrites one that is
- * still needed. All others of the daemon's are close-on-exec. Returns 0 or errno. */
+/* Set up the child's descriptors. They are first duplicated above the fixed numbers, so that no
+ * dup2 in the child overwrites one that is still needed. All other descriptors of the daemon are
+ * close-on-exec. Return 0 or errno. */
 static int add_descriptors(posix_spawn_file_actions_t *actions, int child_stderr,
                            const int given[N_FDS], int from[N_FDS]) {
     int rc = posix_spawn_file_actions_adddup2(actions, child_stderr, STDERR_FILENO);
@@ -67,7 +68,7 @@ static void fill_attributes(posix_spawnattr_t *attributes) {
     sigaddset(&defaults, SIGINT);
     posix_spawnattr_setsigmask(attributes, &none);
     posix_spawnattr_setsigdefault(attributes, &defaults);
-    posix_spawnattr_setpgroup(attributes, 0); /* a terminal's ^C is the daemon's to handle */
+    posix_spawnattr_setpgroup(attributes, 0); /* ^C of a terminal is handled by the daemon alone */
     posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
                                              POSIX_SPAWN_SETPGROUP);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Namespaces for the reader alone. A process namespace holds the children of the process that asks
- * for it, so there are two processes then: the one that the service started, and knows, only waits.
- */
+/* Enter new user and process namespaces. A process namespace applies to the children of the process
+ * that creates it, so there are two processes: the one that the daemon started only waits for the
+ * other. */
 #include "reader/sandbox.h"
 
 #include <errno.h>
@@ -11,10 +11,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* End as the child does, without a core: by the same signal, or with its code. */
+/* Wait for the child and end as it does: by the same signal (without a core), or with its code. */
 static _Noreturn void end_as(pid_t child) {
     int status = 0;
-    close_range(0, ~0U, 0); /* the socket's end is the child's alone */
+    close_range(0, ~0U, 0); /* only the child keeps the socket */
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
     if (WIFSIGNALED(status)) {

@@ -7,11 +7,12 @@
 #include <string.h>
 #include <unistd.h>
 
-/* READER_FROM_DAEMON: from the installed daemon's directory to the installed reader. */
+/* Paths relative to the running program's directory. READER_FROM_DAEMON leads from the installed
+ * daemon's directory to the installed reader. */
 static const char *const places[] = {"sheard-reader", READER_FROM_DAEMON};
 enum { N_PLACES = sizeof places / sizeof places[0] };
 
-/* The directory of the running program. */
+/* Find the directory of the running program. */
 static int own_directory(char *out, size_t size, shear_error *err) {
     const ssize_t n = readlink("/proc/self/exe", out, size);
     if (n <= 0 || (size_t)n >= size) {

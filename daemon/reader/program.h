@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/program.h: where the reader's program is. */
+/* reader/program.h: find the reader's program. */
 #ifndef SHEARD_READER_PROGRAM_H
 #define SHEARD_READER_PROGRAM_H
 
@@ -7,9 +7,9 @@
 
 #include <stddef.h>
 
-/* The path of sheard-reader: beside the running program (a build directory), or where it is
- * installed, seen from there. Nothing else is looked at: a directory that was compiled in would be
- * wrong once the programs are in a package, or were moved. SHEAR_E_IO where it is in neither. */
+/* Find sheard-reader beside the running program (in a build directory), or in its install directory
+ * relative to the running program. There is no compiled-in absolute path: it would be wrong once
+ * the programs are packaged or moved. Return SHEAR_E_IO if it is in neither place. */
 int reader_find_program(char *path, size_t size, shear_error *err);
 
 #endif

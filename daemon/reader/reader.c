@@ -23,7 +23,8 @@ static void close_one(int fd) {
         close(fd);
 }
 
-/* The memory, the socket and the pipe, and the child at their other ends. Returns 0 or errno. */
+/* Create the memory, the socket and the pipe, and start the child with their other ends. Return 0
+ * or errno. */
 static int launch(reader *r, const shear_input *input, const int *fds,
                   const reader_limits *limits) {
     int sockets[2] = {-1, -1};
@@ -132,7 +133,7 @@ int reader_checksum(reader *r, char out[SHEAR_CHECKSUM_SIZE], atomic_llong *hash
     }
 }
 
-/* Size the memory, and seal the size: a child that shrank it would crash the daemon. */
+/* Set the size of the shared memory, and seal it: a child that shrank it would crash the daemon. */
 static int make_memory(reader *r, shear_error *err) {
     const bool sized =
         ftruncate(r->memory_fd, (off_t)r->memory_bytes) == 0 &&
@@ -200,7 +201,8 @@ int reader_read(void *self, int slot, int64_t first, int count, const shear_bloc
     reader_reply reply;
     assert(slot >= 0 && slot < r->slots && count >= 0 && count <= r->capacity);
     shear_block *b = &r->blocks[slot];
-    /* The views are laid out on this side: nothing that the child writes is a pointer or a size. */
+    /* The views are computed on this side, so nothing that the child writes is used as a pointer or
+     * a size. */
     shear_block_place(b, &r->info, r->capacity,
                       r->memory + r->psf_bytes + (size_t)slot * r->slot_bytes);
     const int code = exchange_ask(r, &request, "read stamps", &reply, err);

@@ -14,13 +14,13 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* A build with sanitizers (SHEAR_SANITIZE) differs from the real one here, and nowhere else:
- *   addresses  the runtime maps terabytes of shadow memory, more of it as the heap grows: RLIMIT_AS
- *              would end the reader at its first allocation, so that memory is not limited;
- *   options    the reader's environment is empty, and what it needs is told here. Leaks are not
- *              looked for: that takes clone and ptrace, which seccomp denies. An allocation that
- *              is too large fails, as without sanitizers, and is not reported.
- * The runtime's own threads are older than the filter, which holds for the calling thread only. */
+/* Differences of a build with sanitizers (SHEAR_SANITIZE); child_stderr.c has another one:
+ *   memory     is not limited: the runtime maps terabytes of shadow memory, and more as the heap
+ *              grows, so RLIMIT_AS would end the reader at its first allocation;
+ *   options    are set here, since the reader's environment is empty. Leaks are not detected: that
+ *              takes clone and ptrace, which seccomp denies. An allocation that is too large fails,
+ *              as without sanitizers, and is not reported.
+ * The runtime's own threads are older than the filter, which applies to the calling thread only. */
 #ifdef SHEAR_SANITIZED
 static const bool limits_memory = false;
 
@@ -46,7 +46,7 @@ static int fail_errno(shear_error *err, const char *what) {
         "the reader's sandbox: %s: %s", what, strerror(errno));
 }
 
-/* At most `value`, and never more than the limits that the service was started with. */
+/* Set a limit to `value`, or keep that which the daemon was started with if it is lower. */
 static int limit(int resource, int64_t value, const char *what, shear_error *err) {
     struct rlimit r;
     if (getrlimit((__rlimit_resource_t)resource, &r) != 0)
@@ -79,7 +79,7 @@ static int set_limits(const sandbox_limits *limits, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* No file may be reached by a name: without a rule, all that is handled is refused. */
+/* Forbid access to files by path: without rules, Landlock refuses all handled kinds of access. */
 static int enter_landlock(unsigned *guards, shear_error *err) {
     const struct landlock_ruleset_attr handled = {
         .handled_access_fs = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE |
@@ -99,8 +99,8 @@ static int enter_landlock(unsigned *guards, shear_error *err) {
     return code;
 }
 
-/* What CFITSIO, zlib and libc need to read a file; nothing that makes processes, sockets or names.
- */
+/* The calls that CFITSIO, zlib and libc need to read a file. None of them creates processes,
+ * sockets or names. */
 static const int allowed[] = {
     SCMP_SYS(read),
     SCMP_SYS(pread64),
@@ -140,7 +140,7 @@ static const int allowed[] = {
     SCMP_SYS(sigaltstack),
 };
 
-/* libseccomp's own macros leave a member out, which clang minds. */
+/* libseccomp's macros leave a member uninitialized, which clang warns about. */
 static struct scmp_arg_cmp equals(unsigned argument, scmp_datum_t value) {
     return (struct scmp_arg_cmp){.arg = argument, .op = SCMP_CMP_EQ, .datum_a = value};
 }
@@ -149,10 +149,10 @@ static struct scmp_arg_cmp without(unsigned argument, scmp_datum_t bits) {
     return (struct scmp_arg_cmp){.arg = argument, .op = SCMP_CMP_MASKED_EQ, .datum_a = bits};
 }
 
-/* Calls that are allowed with some arguments only. Memory, but no new code in it: all that the
- * reader runs is mapped by now. The others reach beyond this process otherwise: to the service,
- * which is of the same user. F_SETOWN and F_SETSIG of fcntl would send it signals; F_SETFL serves
- * them. Returns 0 or a negative errno. */
+/* Allow calls with certain arguments only. mmap and mprotect must not make executable memory: all
+ * code of the reader is mapped by now. The others could reach other processes of the same user,
+ * such as the daemon: F_SETOWN and F_SETSIG of fcntl would send it signals; F_SETFL can enable
+ * them. Return 0 or a negative errno. */
 static int allow_some(scmp_filter_ctx filter) {
     const struct scmp_arg_cmp self = equals(0, (scmp_datum_t)getpid());
     const struct {
@@ -198,8 +198,7 @@ static int load(scmp_filter_ctx filter) {
 }
 
 static int enter_seccomp(shear_error *err) {
-    /* A call that is not on the list fails, and the library says so, like any other failure: a
-     * reader that was taken over gains nothing by trying. */
+    /* A call that is not on the list fails, and the library reports that like any other failure. */
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     const int rc = filter != NULL ? load(filter) : -ENOMEM;
     if (filter != NULL)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/sandbox.h: what the reader child may do: read and write what is open, take memory, answer
- * its socket, and end. It opens nothing, no call takes a path or another process, and no memory
- * becomes code. */
+/* reader/sandbox.h: restrict the reader child to reading and writing open files, allocating memory,
+ * answering on its socket, and ending. It cannot open files, no call takes a path or another
+ * process, and no new memory is executable. */
 #ifndef SHEARD_READER_SANDBOX_H
 #define SHEARD_READER_SANDBOX_H
 
@@ -10,26 +10,27 @@
 #include <stdint.h>
 
 typedef struct sandbox_limits {
-    int64_t memory_bytes; /* address space */
+    int64_t memory_bytes; /* of address space; 0: unlimited */
     int64_t cpu_seconds;
     int64_t file_bytes; /* largest unpacked file */
 } sandbox_limits;
 
-/* What holds; the first two always do. */
+/* The guards in force. The first two always are. */
 enum sandbox_guard {
-    SANDBOX_SECCOMP = 1,    /* system calls, and their arguments */
-    SANDBOX_UNDUMPABLE = 2, /* no core, and nobody but root looks into it */
-    SANDBOX_LANDLOCK = 4,   /* no files, once more: where the kernel has it */
-    SANDBOX_NAMESPACES = 8  /* it sees no other process: where the system lets it have its own */
+    SANDBOX_SECCOMP = 1,    /* filter of system calls and their arguments */
+    SANDBOX_UNDUMPABLE = 2, /* no core file, and only root may inspect the process */
+    SANDBOX_LANDLOCK = 4,   /* no access to files by path, if the kernel has Landlock */
+    SANDBOX_NAMESPACES = 8  /* namespaces without other processes, if the system allows them */
 };
 
-/* Enter it, for good: resource limits, no new privileges, and the guards that there are, into
- * *guards. Of namespaces see sandbox_unshare. */
+/* Enter the sandbox, for good: resource limits, no new privileges, and the guards that are
+ * available, which are added to *guards. For namespaces see sandbox_unshare. */
 int sandbox_enter(const sandbox_limits *limits, unsigned *guards, shear_error *err);
 
-/* Before it, on the only thread: go on in user and process namespaces of its own, where the system
- * allows that (a unit with RestrictNamespaces=yes does not): as their process 1, a child of the
- * process that was started, which waits for it and ends as it does. */
+/* Continue in new user and process namespaces, if the system allows that (a unit with
+ * RestrictNamespaces=yes does not). Call it before sandbox_enter, while there is one thread. The
+ * caller goes on as process 1 of the namespaces, a child of the original process, which waits for
+ * it and ends as it does. */
 void sandbox_unshare(unsigned *guards);
 
 #endif

@@ -12,8 +12,8 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-/* Left free on the disk of unpacked copies, which may be the state's as well: a gibibyte, or an
- * eighth of a small disk. */
+/* Bytes left free on the disk of the unpacked copies, which may also hold the service's state: a
+ * gibibyte, or an eighth of a small disk. */
 static const int64_t reserve_bytes = INT64_C(1) << 30;
 enum { RESERVE_PART = 8 };
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/wire.h: the messages between the daemon and its reader child, over a SOCK_SEQPACKET
- * pair: one request, one reply, each a whole struct (both ends are of one build). Stamps do not
- * travel here: they lie in shared memory.
+/* reader/wire.h: the messages between the daemon and its reader child, over a SOCK_SEQPACKET socket
+ * pair. Each request and reply is a whole struct, as both programs are of one build. Stamps are not
+ * sent: they are in shared memory.
  *
- * The daemon trusts nothing that comes back: every number is checked before use (reader.c). */
+ * The daemon does not trust replies: every number is checked before it is used (exchange.c,
+ * validate.c). */
 #ifndef SHEARD_READER_WIRE_H
 #define SHEARD_READER_WIRE_H
 
@@ -12,20 +13,20 @@
 
 #include <stdint.h>
 
-/* Descriptors of the child, fixed by the daemon before exec: a field file, or each part that there
- * is at READER_FD_FILE + enum shear_part. */
+/* Descriptors of the child, set by the daemon before exec. A field file is at READER_FD_FILE, a
+ * part at READER_FD_FILE + enum shear_part. */
 enum {
     READER_FD_SOCKET = 3,
     READER_FD_MEMORY = 4,
     READER_FD_FILE = 5,
-    READER_FD_SCRATCH = READER_FD_FILE + SHEAR_N_PARTS, /* to unpack into */
+    READER_FD_SCRATCH = READER_FD_FILE + SHEAR_N_PARTS, /* temporary files for unpacking */
     READER_FD_END = READER_FD_SCRATCH + SHEAR_N_PARTS
 };
 
-/* Arguments of the child: memory, processor seconds, largest unpacked file, number of scratch
- * files; then the file's name; or, for each part, its file's name ("" where it is not given), its
- * HDU's number
- * (-1: none) and its HDU's name ("": none). Counted with argv[0]. */
+/* Arguments of the child: bytes of memory, seconds of processor time, bytes of the largest unpacked
+ * file, number of scratch files. Then the file's name; or, for each part, its file's name ("": not
+ * given), its HDU's number (-1: none) and its HDU's name ("": none). The numbers include argv[0].
+ */
 enum {
     READER_ARG_FIRST_NAME = 5,
     READER_ARGS_FILE = READER_ARG_FIRST_NAME + 1,
@@ -35,11 +36,11 @@ enum {
 enum { READER_WIRE_VERSION = 3 };
 
 enum reader_op {
-    READER_OPEN = 1, /* -> info */
-    READER_MAP,      /* slots, capacity, slot_bytes: the shared memory has been sized for them */
-    READER_PSF,      /* image `first` into the PSF area */
-    READER_STAMPS,   /* pairs [first, first+count) into slot */
-    READER_HASH      /* some more of the content -> hashed; the checksum when all is */
+    READER_OPEN = 1, /* open the field: -> info */
+    READER_MAP,      /* map the shared memory, which has been sized for these numbers */
+    READER_PSF,      /* read PSF image `first` into the PSF area */
+    READER_STAMPS,   /* read stamp pairs [first, first+count) into slot */
+    READER_HASH      /* hash some more of the content -> hashed; at its end also checksum */
 };
 
 typedef struct reader_request {
@@ -55,10 +56,11 @@ typedef struct reader_reply {
     uint32_t op;
     uint32_t guards;                    /* READER_OPEN: enum sandbox_guard */
     int32_t code;                       /* enum shear_code */
-    int32_t n_psf;                      /* READER_STAMPS: images in the slot */
+    int32_t n_psf;                      /* READER_STAMPS: PSF images in the slot */
     int64_t hashed;                     /* READER_HASH: bytes so far */
-    char checksum[SHEAR_CHECKSUM_SIZE]; /* READER_HASH: of all; "": there is more to read */
-    shear_error error;                  /* where code is not 0 */
+    char checksum[SHEAR_CHECKSUM_SIZE]; /* READER_HASH: of the whole content; "": there is more to
+                                           read */
+    shear_error error;                  /* if code is not 0 */
     shear_field_info info;              /* READER_OPEN */
 } reader_reply;
 
