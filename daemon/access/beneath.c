@@ -12,24 +12,25 @@
 #include <string.h>
 #include <unistd.h>
 
-/* LINKS_MAX is the kernel's; the others keep a path from taking the daemon's descriptors and time.
- */
+/* LINKS_MAX is the kernel's. The other limits keep a path from using up the daemon's descriptors
+ * and time. */
 enum { LINKS_MAX = 40, DEPTH_MAX = 100, STEPS_MAX = 4096 };
 
 typedef struct way {
     const access_peer *peer;
-    int at[DEPTH_MAX + 1]; /* the directories from the root (not ours) to where we are: ".." goes
-                              back to the one that we came from, even if that was moved meanwhile */
+    int at[DEPTH_MAX +
+           1]; /* descriptors from the root (the caller's) to the current directory. ".." returns to
+                  the one before, even if the directory has been moved meanwhile */
     int depth;
     int links, steps;
     char text[2 * PATH_MAX];
-    const char *rest; /* in text: what is left to go, of links' texts and then of the path */
-    size_t own;       /* bytes at its end that are of the path itself */
+    const char *rest; /* within text: the rest to resolve, of links' texts and then the path */
+    size_t own;       /* bytes at the end of the rest that belong to the path itself */
     char link;
 } way;
 
-/* The next name into `name`, and whether anything follows it, which makes it a directory's. False:
- * there is none. */
+/* Copy the next component into `name`. *followed: something follows it, so it must be a directory.
+ * Return false if there is none. */
 static bool next_name(way *w, char *name, size_t size, bool *followed) {
     w->rest += strspn(w->rest, "/");
     if (w->rest[0] != '\0' && strlen(w->rest) <= w->own)
@@ -41,7 +42,7 @@ static bool next_name(way *w, char *name, size_t size, bool *followed) {
     return n > 0;
 }
 
-/* Put the link's text before what is left. 0 or -errno. */
+/* Put the link's text before the rest. Return 0 or -errno. */
 static int follow(way *w, int link) {
     char text[PATH_MAX];
     const size_t left = strlen(w->rest);
@@ -65,8 +66,8 @@ static int follow(way *w, int link) {
     return 0;
 }
 
-/* A link comes as itself. What must be a directory is opened as one, for that mounts it where it is
- * to be mounted when it is first used. */
+/* Open a component; a link is opened itself. A component that must be a directory is opened as one,
+ * because that triggers an automount. */
 static int open_name(const way *w, const char *name, bool directory) {
     enum { FLAGS = O_PATH | O_NOFOLLOW | O_CLOEXEC };
     struct stat st;
@@ -79,8 +80,9 @@ static int open_name(const way *w, const char *name, bool directory) {
     return fd >= 0 ? fd : errno == EACCES ? -EPERM : -errno;
 }
 
-/* A descriptor that is no link and the last name is what was looked for; any other must be a
- * directory, which is gone down into. 0 or -errno; then the descriptor is not in use. */
+/* Use a descriptor that is not a link: it is the result if its component is the last; otherwise it
+ * must be a directory, and becomes the current one. Return 0, or -errno: the descriptor is not used
+ * then. */
 static int go_down(way *w, int fd, const struct stat *st, bool followed, int *found) {
     if (!followed) {
         *found = fd;
@@ -94,8 +96,8 @@ static int go_down(way *w, int fd, const struct stat *st, bool followed, int *fo
     return 0;
 }
 
-/* Where the name leads: down, or along a link's text; *found is the last name's descriptor. 0 or
- * -errno. */
+/* Resolve a component: enter the directory or follow the link; *found becomes the descriptor of the
+ * last one. Return 0 or -errno. */
 static int enter(way *w, const char *name, bool followed, int *found) {
     struct stat st;
     CLEANUP(release_fd) int fd = open_name(w, name, followed);
@@ -107,7 +109,7 @@ static int enter(way *w, const char *name, bool followed, int *found) {
         return follow(w, fd);
     const int error = go_down(w, fd, &st, followed, found);
     if (error == 0) {
-        fd = -1; /* it is the way's, or the caller's */
+        fd = -1; /* it belongs to the way or to the caller now */
     }
     return error;
 }
@@ -139,7 +141,7 @@ int beneath_open(int root, const char *path, const access_peer *peer, char *link
     memcpy(w.text, path, w.own + 1);
     while (error == 0 && found < 0 && next_name(&w, name, sizeof name, &followed))
         error = step(&w, name, followed, &found);
-    if (error == 0 && found < 0) { /* a directory that we are in */
+    if (error == 0 && found < 0) { /* the path ends at a directory that is already open */
         found = fcntl(w.at[w.depth], F_DUPFD_CLOEXEC, 0);
         error = found < 0 ? -errno : 0;
     }

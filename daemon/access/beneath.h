@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* access/beneath.h: resolving a path beneath a directory, links and all, without leaving it. */
+/* access/beneath.h: resolve a path beneath a directory, with its symbolic links, without leaving
+ * that directory. */
 #ifndef SHEARD_ACCESS_BENEATH_H
 #define SHEARD_ACCESS_BENEATH_H
 
 #include "access/access.h"
 
-/* What `path` (relative, without "..") leads to from the directory `root`, as an O_PATH descriptor;
- * or -errno. As openat2 with RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS would, but by calls that every
- * sandbox leaves us (systemd's RestrictSUIDSGID takes openat2 away): a component at a time, on
- * descriptors only, so that nothing can be exchanged between a look and a step. Links are read
- * here: none may lead above the root, and absolute ones are taken to. In a directory that the peer
- * may not search nothing is looked up.
+/* Resolve `path` (relative, without "..") from the directory `root`, and return an O_PATH
+ * descriptor or -errno. This is like openat2 with RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS, but uses
+ * only calls that every sandbox allows (systemd's RestrictSUIDSGID forbids openat2). One component
+ * at a time is opened from a descriptor, so that nothing can be exchanged between a check and the
+ * next step. Links are resolved here: none may lead above the root, and absolute links count as
+ * doing so. Nothing is looked up in a directory that the peer may not search.
  *
- * EACCES: the peer may not search a directory; EPERM: the service may not; EXDEV: a link leads out;
- * ELOOP: too many links, or steps by them; ENAMETOOLONG; ENOENT, ENOTDIR, or another one of openat.
+ * Errors: EACCES: the peer may not search a directory; EPERM: the service may not; EXDEV: a link
+ * leads out; ELOOP: too many links or steps; ENAMETOOLONG, ENOENT, ENOTDIR, or another error of
+ * openat.
  *
- * *link: what the text of the last component of `path` that was tried begins with, where that is a
- * link, else '\0': where the call fails with a link, it is the link (or what it leads to) that
- * failed, not what the path names. */
+ * *link is the first character of the link's text if the last component of `path` that was tried is
+ * a link, else '\0'. If an error comes with a link, it is about the link or its target, not about a
+ * name in `path`. */
 int beneath_open(int root, const char *path, const access_peer *peer, char *link);
 
 #endif

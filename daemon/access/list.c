@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lists of users and groups, by number. */
+/* Look up users and groups by name, and match peers against them. */
 #include "access/permission.h"
 #include "base/cleanup.h"
 
@@ -13,13 +13,13 @@
 struct access_list {
     uid_t *users;
     gid_t *groups;
-    char **unknown; /* what is said of them */
+    char **unknown; /* warnings about unknown names */
     size_t n_users, n_groups, n_unknown;
 };
 
 CLEANUP_DEFINE(access_list, access_list_free)
 
-/* A name of digits only, below (uid_t)-1, which is nobody. */
+/* Read a name of digits as an id below (uid_t)-1, which is invalid. */
 static bool read_number(const char *name, unsigned *id) {
     const size_t n = strlen(name);
     if (n == 0 || n > 10 || strspn(name, "0123456789") != n)
@@ -29,7 +29,7 @@ static bool read_number(const char *name, unsigned *id) {
     return value < 0xffffffffULL;
 }
 
-/* Not found: it is told, unless the database could not answer. */
+/* Record a warning about an unknown name, or return an error if the database failed. */
 static int not_found(access_list *list, int error, const char *kind, const char *name,
                      shear_error *err) {
     if (error != 0 && error != ENOENT && error != ESRCH) {
@@ -58,7 +58,8 @@ static int add_user(access_list *list, const char *name, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Returns 0 or errno; *found tells. The members of a large group may need much memory. */
+/* Look up a group. Return 0 or errno; *found says whether it exists. The members of a large group
+ * may need much memory. */
 static int ask_for_group(const char *name, gid_t *id, bool *found) {
     struct group entry;
     struct group *result = NULL;

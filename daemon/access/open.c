@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opening a file that a client has named. */
+/* Open a file that a client has named, with the client's permissions, and refuse it outside the
+ * data roots. */
 #include "access/beneath.h"
 #include "access/roots.h"
 #include "access/walk.h"
@@ -21,7 +22,7 @@ const char *access_code_name(int code) {
                                                           : shear_code_name(code);
 }
 
-/* One file asked for, beneath one root. */
+/* A file to be opened beneath one root. */
 typedef struct request {
     int root;
     const access_peer *peer;
@@ -29,7 +30,7 @@ typedef struct request {
     const char *beneath; /* the part of it beneath the root */
 } request;
 
-/* EACCES is the peer's, EPERM the service's. */
+/* Report an error. EACCES is about the peer, EPERM about the service. */
 static int fail_plainly(const request *r, int error, shear_error *err) {
     switch (error) {
     case EXDEV:
@@ -57,8 +58,8 @@ static int fail_plainly(const request *r, int error, shear_error *err) {
     }
 }
 
-/* `link` as of beneath_open. Anyone may make a link into a directory that only others may search:
- * an error must not tell what is there. */
+/* Report an error; `link` is as for beneath_open. Anyone may make a link into a directory that only
+ * others may search, so the error must not disclose what is there. */
 static int fail_at(const request *r, char link, int error, shear_error *err) {
     if (link != '\0' && link != '/' && r->peer->uid != 0) {
         return shear_fail(err, ACCESS_E_DENIED, "give the file itself, beneath a data root",
@@ -69,7 +70,7 @@ static int fail_at(const request *r, char link, int error, shear_error *err) {
     return fail_plainly(r, error, err);
 }
 
-/* The file behind an O_PATH descriptor, for reading: itself, even if its name has changed. */
+/* Reopen the regular file of an O_PATH descriptor for reading, even if its name has changed. */
 static int reopen(const request *r, int handle, int *fd, shear_error *err) {
     char self[32];
     struct stat st;
@@ -82,8 +83,8 @@ static int reopen(const request *r, int handle, int *fd, shear_error *err) {
     return *fd >= 0 ? SHEAR_OK : fail_plainly(r, errno == EACCES ? EPERM : errno, err);
 }
 
-/* Every directory that the client names must be one that it may search, from / on; so it learns
- * nothing of what lies in those that it may not. */
+/* Open r->beneath. The client must have search permission on every directory that it names, from /
+ * on, so that it cannot discover what lies in others. */
 static int open_beneath(const request *r, int *fd, char **canonical, shear_error *err) {
     char link = '\0';
     int error = walk_check(r->root, r->peer, NULL);
@@ -112,9 +113,9 @@ static int check_path(const char *path, shear_error *err) {
                                       "%.300s: the path %s", path, wrong);
 }
 
-/* Beneath that root, where the path is; `by_name`: as the root is configured, else as it is without
- * links, if that is another name. ACCESS_E_OUTSIDE where it is not, or the root is missing; *err is
- * as it was then. */
+/* Open the path if it is beneath that root: by the root's configured name (by_name), or else by its
+ * name without links. Return ACCESS_E_OUTSIDE, with *err unchanged, if the path is not beneath it
+ * or the root is missing. */
 static int try_root(const char *name, bool by_name, request *r, int *fd, char **canonical,
                     shear_error *err) {
     char *real = NULL;
@@ -131,7 +132,8 @@ static int try_root(const char *name, bool by_name, request *r, int *fd, char **
     return code;
 }
 
-/* Of roots in each other, any may do: a link may leave the inner one only, or that is missing. */
+/* Try the roots in turn. If roots are nested, a link may leave the inner one only, or that one is
+ * missing. */
 static int try_roots(const access_roots *roots, bool by_name, request *r, int *fd, char **canonical,
                      shear_error *err) {
     int code = ACCESS_E_OUTSIDE;
@@ -140,7 +142,7 @@ static int try_roots(const access_roots *roots, bool by_name, request *r, int *f
     return code;
 }
 
-/* Is one of the roots missing that the path is beneath? */
+/* Return ACCESS_E_ROOT if a root that the path is beneath is missing. */
 static int check_roots_of(const access_roots *roots, const char *path, shear_error *err) {
     for (size_t i = 0; i < roots->n; i++) {
         if (path_beneath(path, roots->names[i]) != NULL) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The user at the other end of a socket, with the groups of its connect. */
+/* Find the user at the other end of a socket with its groups, or the groups of a user. */
 #include "access/access.h"
 
 #include <errno.h>
@@ -20,7 +20,7 @@ static int fail(access_peer *peer, int error, const char *what, shear_error *err
                       "%s cannot be found out: %s", what, strerror(error));
 }
 
-/* The supplementary groups of the socket's peer. Returns 0 or errno. */
+/* Read the supplementary groups of the socket's peer. Return 0 or errno. */
 static int read_groups(int socket, access_peer *peer) {
     socklen_t size = 64 * sizeof(gid_t);
     for (;;) {
@@ -32,7 +32,7 @@ static int read_groups(int socket, access_peer *peer) {
             peer->n_groups = size / sizeof(gid_t);
             return 0;
         }
-        if (errno != ERANGE) { /* then size is what it takes */
+        if (errno != ERANGE) { /* ERANGE: size is now the size required */
             return errno;
         }
     }
@@ -44,7 +44,7 @@ int access_peer_from_socket(int socket, access_peer *peer, shear_error *err) {
     *peer = (access_peer){(uid_t)-1, (gid_t)-1, NULL, 0};
     if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) != 0)
         return fail(peer, errno, "who is at the other end of the socket", err);
-    /* What is no connected Unix socket has no peer. */
+    /* Only a connected Unix socket has a peer. */
     if (size != sizeof who || who.uid == (uid_t)-1)
         return fail(peer, ENOTCONN, "who is at the other end of the socket", err);
     peer->uid = who.uid;

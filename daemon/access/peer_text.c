@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A peer's groups as text and back. */
+/* Convert a peer's groups to text and back. */
 #include "access/access.h"
 #include "base/buffer.h"
 
@@ -29,7 +29,7 @@ static int bad_text(access_peer *peer, const char *groups, shear_error *err) {
                       "\"%.80s\" is no list of groups", groups);
 }
 
-/* One number at *at, which moves behind it and one blank. */
+/* Read one number at *at, and advance *at beyond it and one blank. */
 static bool read_group(const char **at, gid_t *group) {
     char *end = NULL;
     errno = 0;

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/xattr.h>
 
-/* The kernel's form of a POSIX access control list (linux/posix_acl_xattr.h), little-endian. */
+/* The kernel's format of a POSIX access control list (linux/posix_acl_xattr.h), little-endian. */
 enum {
     ACL_VERSION = 2,
     ACL_USER_OBJ = 0x01,
@@ -23,11 +23,11 @@ typedef struct acl_entry {
     uint32_t id;
 } acl_entry;
 
-/* What the list gives, by class. -1: no such entry. */
+/* The permission bits that the list gives, by class. -1: no such entry. */
 typedef struct acl_view {
     int owner, user, mask, other;
-    bool in_group;    /* an entry for a group of the peer's */
-    bool group_gives; /* one of them has all that is wanted, but for the mask */
+    bool in_group;    /* there is an entry for a group of the peer's */
+    bool group_gives; /* one of these gives all that is wanted, before the mask */
 } acl_view;
 
 bool peer_has_group(const access_peer *peer, gid_t gid) {
@@ -67,7 +67,7 @@ static void look_at(const acl_entry *entry, const struct stat *st, const access_
     }
 }
 
-/* acl(5), "Access check algorithm". */
+/* The access check algorithm of acl(5). */
 static bool acl_gives(const acl_view *view, const struct stat *st, const access_peer *peer,
                       unsigned wanted) {
     const unsigned mask = view->mask >= 0 ? (unsigned)view->mask : 7;
@@ -88,7 +88,7 @@ static int check_list(const char *list, size_t size, const struct stat *st, cons
         return EACCES;
     memcpy(&version, list, sizeof version);
     if (le32toh(version) != ACL_VERSION) {
-        return EACCES; /* a version that is not known gives nothing */
+        return EACCES; /* an unknown version gives nothing */
     }
     for (size_t at = sizeof version; at < size; at += sizeof(acl_entry)) {
         acl_entry entry;
@@ -100,12 +100,12 @@ static int check_list(const char *list, size_t size, const struct stat *st, cons
 
 int permission_check(int fd, const access_peer *peer, unsigned wanted, struct stat *st) {
     char path[32];
-    char list[8192]; /* a thousand entries; a longer one is ERANGE */
+    char list[8192]; /* room for a thousand entries; a longer list is ERANGE */
     if (fstat(fd, st) != 0)
         return errno;
     if (peer->uid == 0)
         return 0;
-    /* A descriptor of O_PATH has no attributes itself. */
+    /* getxattr fails on an O_PATH descriptor, but not on its name in /proc. */
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
     const ssize_t size = getxattr(path, "system.posix_acl_access", list, sizeof list);
     if (size >= 0)

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The next component: slashes and "." are skipped. *length 0 at the end. */
+/* Return the next component, beyond slashes and ".". *length is 0 at the end. */
 static const char *component(const char *path, size_t *length) {
     for (;;) {
         path += strspn(path, "/");
@@ -70,7 +70,7 @@ int access_roots_check(const access_roots *roots, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* The names of all, for people. */
+/* Return all names as text for messages, or NULL if out of memory. */
 static char *list_names(char *const *paths, size_t n) {
     buffer names = {0};
     buffer_add_text(&names, n == 0 ? "none is configured" : "");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* access/roots.h: the data roots. */
+/* access/roots.h: the data roots, and which part of a path lies beneath one. */
 #ifndef SHEARD_ACCESS_ROOTS_H
 #define SHEARD_ACCESS_ROOTS_H
 
@@ -8,15 +8,16 @@
 struct access_roots {
     char **names; /* [n] */
     size_t n;
-    char *text; /* all of them, for advice */
+    char *text; /* all names, for messages */
 };
 
-/* The root as it is now, by O_PATH. SHEAR_OK or ACCESS_E_ROOT. */
+/* Open the root as it is now, with O_PATH. Return SHEAR_OK or ACCESS_E_ROOT. */
 int root_open(const char *name, int *fd, shear_error *err);
 
-/* What of `path` lies beneath `root`, without leading slashes; NULL where nothing does. */
+/* Return the part of `path` beneath `root`, without leading slashes, or NULL if it is not beneath.
+ */
 const char *path_beneath(const char *path, const char *root);
-/* "..", as a component? */
+/* Return whether a component is "..". */
 bool path_climbs(const char *path);
 
 #endif

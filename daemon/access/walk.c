@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { WALK_TRIES = 8 }; /* names may change while we walk, by chance or malice */
+enum { WALK_TRIES = 8 }; /* names may change during a walk, by chance or malice */
 
 int walk_name(int fd, char **name) {
     char path[32];
@@ -30,7 +30,7 @@ int walk_name(int fd, char **name) {
     return *name == NULL ? ENOMEM : 0;
 }
 
-/* From *at one component on; *at is replaced. */
+/* Replace the directory *at by its component `name`. */
 static int step(int *at, const char *name) {
     const int next = openat(*at, name, O_PATH | O_NOFOLLOW | O_CLOEXEC);
     if (next < 0)
@@ -40,7 +40,8 @@ static int step(int *at, const char *name) {
     return 0;
 }
 
-/* Everything above the end of `way` (cut into components here) may be searched; *at is the end. */
+/* Check that every directory above the end of `way` may be searched. `way` is cut into components;
+ * *at becomes its end. */
 static int walk_along(char *way, const access_peer *peer, int *at) {
     struct stat st;
     char *rest = NULL;
@@ -55,7 +56,7 @@ static int walk_along(char *way, const access_peer *peer, int *at) {
     return 0;
 }
 
-/* ESTALE where the way leads elsewhere meanwhile. */
+/* Walk once. Return ESTALE if the way does not lead to the target any more. */
 static int walk_once(int target, const access_peer *peer, char *way) {
     struct stat end = {0};
     struct stat wanted = {0};
@@ -73,7 +74,7 @@ static int walk_once(int target, const access_peer *peer, char *way) {
                             &wanted);
 }
 
-/* The same, by the name that it has now, into *name where that is not NULL. */
+/* Walk by the name that the target has now. *name receives it, if `name` is not NULL. */
 static int walk_by_name(int target, const access_peer *peer, char **name) {
     CLEANUP(release_free) char *way = NULL;
     int error = walk_name(target, &way);

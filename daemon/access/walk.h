@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* access/walk.h: the way from / to an open file. */
+/* access/walk.h: check a peer's permission on every directory from / to an open file. */
 #ifndef SHEARD_ACCESS_WALK_H
 #define SHEARD_ACCESS_WALK_H
 
 #include "access/access.h"
 
-/* The path of an open file without links, as the kernel has it (from malloc). Returns 0 or errno.
- */
+/* Get the path of an open file from the kernel: without links, from malloc. Return 0 or errno. */
 int walk_name(int fd, char **name);
 
-/* Walk from / to `target` (a directory, or else a regular file) and see on every descriptor that
- * the peer may search; on the target itself, that it may search or read. *name (from malloc) is the
- * way, or NULL where it is not wanted. Returns 0; EACCES: the peer may not; EPERM: the service may
- * not; ENOENT: the way is gone; EAGAIN: names changed meanwhile, again and again; or another errno.
- */
+/* Walk from / to `target`, and check on every descriptor that the peer may search the directory;
+ * for the target itself, that it may search it, or read it if it is not a directory. *name (from
+ * malloc) receives the path; `name` may be NULL. Return 0; EACCES if the peer may not; EPERM if the
+ * service may not; ENOENT if the file has been removed; EAGAIN if names keep changing; or another
+ * errno. */
 int walk_check(int target, const access_peer *peer, char **name);
 
 #endif
