@@ -19,8 +19,8 @@
 
 enum { MESSAGE_SIZE = 2048, LINE_SIZE = 4 * MESSAGE_SIZE + 64 };
 
-/* `lock` is held while `messages` is looked at and while a line is handed over, so that a count
- * stands behind the lines that it is about. `options` and `journal` change only in log_open. */
+/* The lock is held while `messages` is used and a line is passed on, so that a count follows the
+ * lines that it counts. `options` and `journal` change only in log_open. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static repeats messages;
 static log_options options = {.fd = STDERR_FILENO, .burst = 5, .interval_ms = 30000};
@@ -33,8 +33,8 @@ void log_options_init(log_options *o) {
         .level = LOG_LEVEL_INFO, .fd = STDERR_FILENO, .burst = 5, .interval_ms = 30000};
 }
 
-/* JOURNAL_STREAM is inherited by everybody; it counts only where the descriptor is still that one:
- * "device:inode". */
+/* Return whether fd is the journal's stream. JOURNAL_STREAM ("device:inode") is inherited, so it
+ * applies only if the descriptor is still that file. */
 static bool is_journal(int fd) {
     const char *text = getenv("JOURNAL_STREAM");
     unsigned long long device = 0;
@@ -110,8 +110,8 @@ static bool hand_over(enum log_level level, const char *text, int64_t ms) {
     return outlet_put(line, n);
 }
 
-/* What was lost is told where it is missing, once half of the buffer is free: not between any two
- * lines. */
+/* Write how many lines were lost at this place. This waits until half of the buffer is free, so
+ * that such lines stay rare. */
 static void tell_losses(int64_t ms) {
     char text[128];
     if (losses.untold == 0 || outlet_waiting() > OUTLET_BYTES / 2)
@@ -170,7 +170,7 @@ log_losses log_get_losses(void) {
     return got;
 }
 
-/* errno is the caller's: it may log before it looks. */
+/* errno is preserved: the caller may use it after logging. */
 #define LOG_AT(name, level)                                                                        \
     void name(const char *format, ...) {                                                           \
         const int saved = errno;                                                                   \

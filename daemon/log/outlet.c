@@ -13,11 +13,11 @@
 
 enum { CHUNK = 4096 };
 
-/* All under `lock`. The writing thread holds it only while it copies. */
+/* The lock guards everything here. The writing thread holds it only while it copies. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t filled = PTHREAD_COND_INITIALIZER, emptied = PTHREAD_COND_INITIALIZER;
 static char ring[OUTLET_BYTES];
-static size_t first, count; /* the bytes that wait: ring[(first + i) % OUTLET_BYTES], i < count */
+static size_t first, count; /* unwritten bytes: ring[(first + i) % OUTLET_BYTES], i < count */
 static int target = STDERR_FILENO;
 static bool through_thread, has_thread;
 
@@ -33,7 +33,7 @@ static void *serve(void *nothing) {
         const int fd = target;
         memcpy(chunk, ring + first, n);
         pthread_mutex_unlock(&lock);
-        io_write(fd, chunk, n); /* errors are not reported: there is nowhere to */
+        io_write(fd, chunk, n); /* write errors are ignored: there is nowhere to report them */
         pthread_mutex_lock(&lock);
         first = (first + n) % OUTLET_BYTES;
         count -= n;
@@ -42,7 +42,7 @@ static void *serve(void *nothing) {
     return nothing;
 }
 
-/* Signals are the other threads'. */
+/* Start the writing thread, with all signals blocked: the other threads handle them. */
 static bool start_thread(void) {
     pthread_t thread;
     sigset_t all;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* log/outlet.h: bytes on their way to a descriptor that may make a writer wait.
+/* log/outlet.h: write the log without blocking the thread that logs.
  *
- * A pipe that nobody reads, a terminal stopped by ^S or the journal's socket take no more at some
- * time, and a write waits then. Such a descriptor is written to by a thread of its own, from a
- * bounded buffer: who logs never waits. O_NONBLOCK is no way out: it would be set for everybody who
- * shares the open file, the user's shell too. A regular file is written to at once.
+ * A write to a pipe that nobody reads, to a terminal stopped by ^S or to the journal's socket may
+ * block. A thread of its own writes to such a descriptor, from a bounded buffer. O_NONBLOCK cannot
+ * be used: it would apply to all who share the open file, the user's shell too. A regular file is
+ * written to at once.
  *
  * Any thread may call. */
 #ifndef LOG_OUTLET_H
@@ -16,13 +16,14 @@
 
 enum { OUTLET_BYTES = 256 * 1024 };
 
-/* Write there from now on; before the first call it is standard error, written to at once. What
- * still waits goes to the new one. */
+/* Write to fd from now on, also what is still buffered. Before the first call, bytes are written to
+ * standard error at once. */
 void outlet_open(int fd);
-/* All n bytes (at most OUTLET_BYTES), or nothing: false where there is no room for them. */
+/* Write or buffer all n bytes (at most OUTLET_BYTES). Return false, with none of them written, if
+ * the buffer lacks the room. */
 bool outlet_put(const char *bytes, size_t n);
-/* Wait until all is written; false: timeout_ms were over before. */
+/* Wait until all is written. Return false after timeout_ms. */
 bool outlet_drain(int timeout_ms);
-size_t outlet_waiting(void); /* bytes that are not written yet */
+size_t outlet_waiting(void); /* bytes not written yet */
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-/* FNV-1a. */
+/* Return the FNV-1a hash. */
 static uint64_t hash_of(enum log_level level, const char *text) {
     uint64_t h = UINT64_C(14695981039346656037) ^ (uint64_t)level;
     for (const unsigned char *p = (const unsigned char *)text; *p != '\0'; p++)
@@ -11,13 +11,13 @@ static uint64_t hash_of(enum log_level level, const char *text) {
     return h;
 }
 
-/* The clock may be set back: then the interval is over, too. */
+/* Return whether the interval is over. It also is if the clock was set back. */
 static bool is_over(const repeated *m, int64_t interval_ms, int64_t now_ms) {
     return now_ms < m->since_ms || now_ms - m->since_ms >= interval_ms;
 }
 
-/* The message's own place, or one for it: free, or else the oldest of those that owe no count
- * (NULL: all do). */
+/* Return the message's entry, or one for it: an unused one, or else the oldest of those without a
+ * count to be written; NULL if there is none. */
 static repeated *place_of(repeats *r, uint64_t hash) {
     repeated *best = NULL;
     for (size_t i = 0; i < REPEATS_MESSAGES; i++) {
