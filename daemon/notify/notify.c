@@ -16,7 +16,7 @@
 
 enum { MESSAGE_SIZE = 1024 };
 
-/* The whole text as a decimal number without a sign; 0 where it is not one. */
+/* Return the text as a decimal number without a sign, or 0 if it is not one. */
 static int64_t read_number(const char *text) {
     int64_t value = 0;
     const bool is_digit = text != NULL && *text >= '0' && *text <= '9';
@@ -33,7 +33,7 @@ static int set_address(notify *n, const char *name, shear_error *err) {
     memcpy(n->address.sun_path, name, length);
     n->address_size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + length);
     if (name[0] == '@') {
-        n->address.sun_path[0] = '\0'; /* an abstract name has no end but its length */
+        n->address.sun_path[0] = '\0'; /* the length ends an abstract name */
     }
     return SHEAR_OK;
 }
@@ -86,7 +86,7 @@ static int send_text(const notify *n, const char *text, shear_error *err) {
                : shear_fail(err, SHEAR_E_IO, NULL, "cannot notify systemd: %s", strerror(errno));
 }
 
-/* A line break in the status would begin another assignment. */
+/* Send a state with a status, without line breaks: they would begin another assignment. */
 static int send_with_status(const notify *n, const char *state, const char *status,
                             shear_error *err) {
     char text[MESSAGE_SIZE];
@@ -103,7 +103,7 @@ int notify_ready(const notify *n, const char *status, shear_error *err) {
     return send_with_status(n, "READY=1\n", status, err);
 }
 
-/* Type=notify-reload wants to know since when. */
+/* The time is required by Type=notify-reload. */
 int notify_reloading(const notify *n, shear_error *err) {
     char text[MESSAGE_SIZE];
     snprintf(text, sizeof text, "RELOADING=1\nMONOTONIC_USEC=%" PRId64, clock_us(CLOCK_MONOTONIC));

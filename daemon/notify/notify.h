@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* notify/notify.h: what systemd wants to hear from a service (sd_notify(3)), without libsystemd.
- *
- * One thread. No call ever waits: a message that cannot be sent at once is SHEAR_E_IO. Where nobody
- * listens (no NOTIFY_SOCKET), all calls do nothing and succeed.
- */
+/* notify/notify.h: notify systemd of the service's state (sd_notify(3)), without libsystemd. One
+ * thread. No call blocks: SHEAR_E_IO means that a message cannot be sent at once. Without
+ * NOTIFY_SOCKET all calls do nothing and succeed. */
 #ifndef SHEARD_NOTIFY_H
 #define SHEARD_NOTIFY_H
 
@@ -14,24 +12,25 @@
 #include <sys/un.h>
 
 typedef struct notify {
-    int fd; /* -1: nobody listens */
+    int fd; /* -1: no NOTIFY_SOCKET */
     struct sockaddr_un address;
     socklen_t address_size;
-    int64_t watchdog_ms; /* systemd kills a service that is silent for so long; 0: it does not */
+    int64_t watchdog_ms; /* systemd kills a service that is silent for so long; 0: never */
 } notify;
 
-/* From NOTIFY_SOCKET (a path, or @ and an abstract name), WATCHDOG_USEC and WATCHDOG_PID, which are
- * removed from the environment. On an error *n is as if nobody listened. */
+/* Read NOTIFY_SOCKET (a path, or @ and an abstract name), WATCHDOG_USEC and WATCHDOG_PID, and
+ * remove them from the environment. On an error *n is as without NOTIFY_SOCKET. */
 int notify_init(notify *n, shear_error *err);
-void notify_deinit(notify *n); /* more than once: fine */
+void notify_deinit(notify *n); /* further calls do nothing */
 
-/* `status` is one line for systemctl status; NULL: none. Line breaks in it become blanks. */
+/* Report that the service is ready. `status` is one line for systemctl status, or NULL; line breaks
+ * in it become blanks. */
 int notify_ready(const notify *n, const char *status, shear_error *err);
-/* Before a reload; notify_ready after it. */
+/* Report that a reload begins; notify_ready reports its end. */
 int notify_reloading(const notify *n, shear_error *err);
 int notify_stopping(const notify *n, const char *status, shear_error *err);
 int notify_status(const notify *n, const char *status, shear_error *err);
-/* Still alive: at least twice in watchdog_ms. */
+/* Report that the service is alive, at least twice per watchdog_ms. */
 int notify_watchdog(const notify *n, shear_error *err);
 
 #endif
