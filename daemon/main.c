@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard: the command line, then the service. */
+/* The program sheard: parse the command line, then run the service. */
 #include "log/log.h"
 #include "service/service.h"
 #include "shear/version.h"
@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 
 enum { EXIT_USAGE = 2, EXIT_CONFIG = 3 };
-enum { LAST_LINES_MS = 500 }; /* what the log's reader has for the last lines */
+enum { LAST_LINES_MS = 500 }; /* milliseconds to write the last lines of the log */
 enum { OPT_CONFIG = 256, OPT_SET, OPT_CHECK, OPT_PRINT, OPT_VERSION, OPT_HELP };
 
 static const struct option own[] = {
@@ -39,10 +39,10 @@ static int usage(FILE *out, int code) {
 typedef struct command_line {
     const char *path;
     sheard_list assignments;
-    int action; /* OPT_CHECK, OPT_PRINT, ... or 0: serve */
+    int action; /* OPT_CHECK, OPT_PRINT, ..., or 0: run the service */
 } command_line;
 
-/* 0, or an exit code plus one where the program is to end. */
+/* Parse the command line. Return 0, or an exit code plus one if the program is to end. */
 static int parse(int argc, char **argv, command_line *line) {
     struct option options[MAX_OPTIONS] = {0};
     shear_error err = {0};
