@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Contradictions between settings. */
+/* Check for contradictions between settings. */
 #include "origin.h"
 
 #include <string.h>
@@ -8,7 +8,7 @@ static size_t at(const char *section, const char *key) {
     return (size_t)sheard_setting_find(section, key);
 }
 
-/* Of two settings the one that was written later, and so probably is the wrong one. */
+/* Return which of two settings was set later: probably it is the wrong one. */
 static size_t later(const sheard_config *c, size_t a, size_t b) {
     if (c->lines[a] == ORIGIN_COMMAND_LINE)
         return a;
@@ -21,7 +21,7 @@ static void report(const sheard_config *c, size_t index, const shear_error *erro
     (void)problems_add(problems, config_where(c, index, where, sizeof where), error);
 }
 
-/* Whether path a is b or beneath it; both are tidy. */
+/* Return whether path a is b or beneath it; both are tidied. */
 static bool is_within(const char *a, const char *b) {
     size_t n = strlen(b);
     if (strcmp(b, "/") == 0)
@@ -54,7 +54,7 @@ static void check_directories(const sheard_config *c, sheard_problems *problems)
     }
 }
 
-/* The reader's own code, libraries and buffers beside the shared memory. */
+/* Memory of the reader's code, libraries and buffers, beside the shared memory. */
 #define READER_OWN_BYTES (INT64_C(48) << 20)
 
 static void check_numbers(const sheard_config *c, sheard_problems *problems) {

@@ -12,7 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* "PREFIX/etc/sheard/sheard.conf" of a program in PREFIX/sbin or PREFIX/bin, if there is one. */
+/* Find "PREFIX/etc/sheard/sheard.conf" of a program in PREFIX/sbin or PREFIX/bin. Return false if
+ * it does not exist. */
 static bool find_beneath_prefix(char *path, size_t size) {
     static const char name[] = "/etc/sheard/sheard.conf";
     const ssize_t n = readlink("/proc/self/exe", path, size - 1);
@@ -37,9 +38,10 @@ const char *sheard_config_default_path(void) {
     return find_beneath_prefix(beneath, sizeof beneath) ? beneath : SHEARD_CONFIG_FILE;
 }
 
-/* A preset goes beneath what stands in the file already. */
+/* Set a setting of the measurement. A preset does not change settings that the file has set
+ * already. */
 static int set_measure(sheard_config *config, const char *key, const char *text, shear_error *err) {
-    enum { MOST = 64 }; /* more than there are */
+    enum { MOST = 64 }; /* more than there are settings of the measurement */
     bool given[MOST] = {false};
     const size_t n = sheard_settings_count() - config_n_rows;
     assert(n <= MOST);
@@ -55,7 +57,7 @@ static int set_index(sheard_config *config, size_t index, const char *text, shea
         return set_measure(config, s.key, text, err);
     value parsed;
     const int code = value_parse(&s, text, &parsed, err);
-    if (code == SHEAR_OK) { /* in place of what is there */
+    if (code == SHEAR_OK) { /* replace the old value */
         void *member = config_member(config, &s);
         value_deinit(&s, member);
         memcpy(member, &parsed, value_size(&s));

@@ -23,7 +23,7 @@ static int check_kind(int fd, shear_error *err) {
 }
 
 static int read_all(int fd, char **text, size_t *size, shear_error *err) {
-    /* One byte more than allowed, to see whether there is more. */
+    /* One byte more than allowed, to detect a larger file. */
     CLEANUP(release_free) char *buf = malloc(CONFIG_FILE_MAX + 1);
     if (buf == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
@@ -42,7 +42,7 @@ static int read_all(int fd, char **text, size_t *size, shear_error *err) {
 int file_read(const char *path, bool may_miss, char **text, size_t *size, shear_error *err) {
     *text = NULL;
     *size = 0;
-    /* Not blocked by a FIFO that nobody writes to. */
+    /* O_NONBLOCK: do not wait for a writer if the path is a FIFO. */
     CLEANUP(release_fd) int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
     if (fd < 0 && errno == ENOENT && may_miss)
         return SHEAR_OK;

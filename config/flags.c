@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Settings that have an option of their own. */
+/* Provide command-line options for settings. */
 #include "base/cleanup.h"
 #include "sheard/config.h"
 #include "text.h"
@@ -29,7 +29,7 @@ int sheard_flags_assign(int val, const char *argument, sheard_list *assignments,
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "option value %d is no setting's", val);
     sheard_setting s = sheard_setting_at((size_t)index);
     if (asprintf(&text, "%s.%s=%s", s.section, s.key, argument) < 0) {
-        text = NULL; /* undefined after a failure */
+        text = NULL; /* undefined after a failure of asprintf */
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for --%s", s.flag);
     }
     return sheard_list_append(assignments, text, err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* "sheard-config-text sample": the commented sample file. "sheard-config-text manual PAGE.in": the
- * page, with the settings in place of its comment line SETTINGS. Both on standard output. Run by
- * the build only. */
+/* Generate texts from the table of settings, on standard output; run by the build only.
+ * "sheard-config-text sample" prints the commented sample file, "sheard-config-text manual PAGE.in"
+ * the manual page with the settings in place of its comment line SETTINGS. */
 #include "sheard/config.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* inih asks for lines and calls back with values; it tells neither lines nor sections, and only the
- * first bad line. So the lines are looked at on their way in (next_line), and what a line should
- * have caused is compared with what it did. */
+/* Read lines on behalf of inih, and find what it ignores. inih reports values, but neither lines
+ * nor sections, and only the first bad line. So next_line examines each line before inih reads it,
+ * and settle checks that it had the expected effect. */
 #include "ini_text.h"
 
 #include <assert.h>
@@ -14,7 +14,7 @@ struct reader {
     const char *at, *end;
     int line;
     bool indented; /* the line begins with white space */
-    bool has_key;  /* a key precedes in this section: an indented line continues it */
+    bool has_key;  /* this section has a key already: an indented line continues it */
     bool expects;  /* the line should become a value */
     const ini_events *events;
 };
@@ -23,7 +23,7 @@ static void fault(const struct reader *r, const char *advice, const char *messag
     r->events->fault(r->events->context, r->line, advice, message);
 }
 
-/* A line that should have become a value and did not has no '='. */
+/* Report the last line if it should have become a value and did not: it has no '='. */
 static void settle(struct reader *r) {
     if (r->expects)
         fault(r, "write key = value; comments begin with '#' or ';'", "this line has no '='");
@@ -50,7 +50,7 @@ static bool has_control(const char *p, size_t n) {
     return false;
 }
 
-/* The section line p[0..n) beginning with '[': its name to the loader, its faults too. */
+/* Report the section of the line p[0..n), which begins with '[', and its faults. */
 static void read_section(struct reader *r, const char *p, size_t n) {
     char name[64];
     const char *close = memchr(p, ']', n);
@@ -73,7 +73,7 @@ static void read_section(struct reader *r, const char *p, size_t n) {
 
 enum kind { LINE_EMPTY, LINE_SECTION, LINE_VALUE };
 
-/* What to make of the line p[0..n), of which inih takes at most `most` bytes. */
+/* Determine the kind of the line p[0..n) and report its faults. inih takes at most `most` bytes. */
 static enum kind examine(struct reader *r, const char *p, size_t n, size_t most) {
     size_t i = leading_blanks(p, n);
     r->indented = i > 0;
@@ -98,7 +98,8 @@ static enum kind examine(struct reader *r, const char *p, size_t n, size_t most)
     return LINE_VALUE;
 }
 
-/* inih's fgets. Sections are given to it bare, so that it takes as one what is one to us. */
+/* Read the next line for inih, like fgets. Each section line becomes "[x]", so that inih accepts
+ * it. */
 static char *next_line(char *buf, int size, void *stream) {
     struct reader *r = stream;
     settle(r);
@@ -119,7 +120,7 @@ static char *next_line(char *buf, int size, void *stream) {
     return buf;
 }
 
-/* inih leaves comments in further lines of a value. */
+/* Remove the comment from a further line of a value, where inih leaves it. */
 static void cut_comment(char *text) {
     size_t end = strlen(text);
     for (size_t i = 0; text[i] != '\0'; i++) {
@@ -141,7 +142,7 @@ static bool has_hash_comment(const char *value) {
     return false;
 }
 
-/* inih's handler. */
+/* Pass a value on; inih's handler. */
 static int on_value(void *user, const char *section, const char *key, const char *value) {
     struct reader *r = user;
     (void)section;

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* ini_text.h: INI text as events. Only its source sees ini.h.
+/* ini_text.h: parse INI text into events. Only its source includes ini.h.
  *
- * What inih would pass over in silence or chop is a fault here: control characters, lines too long
- * for it, text behind a section's bracket, lines without '='. A line that begins with white space
- * goes on with the value of the key above it. ' ;' begins a comment behind a value, ';' and '#' at
- * the beginning of a line. Comments may be of any length. A byte order mark is passed over.
- */
+ * What inih would silently skip or truncate is a fault here: control characters, lines too long for
+ * it, text after a section's bracket, lines without '='. A line that begins with white space
+ * continues the value of the key above it. ' ;' begins a comment after a value, ';' and '#' at the
+ * beginning of a line. Comments may have any length. A byte order mark is skipped. */
 #ifndef CONFIG_INI_TEXT_H
 #define CONFIG_INI_TEXT_H
 
@@ -17,12 +16,12 @@
 typedef struct ini_events {
     void *context;
     void (*section)(void *context, int line, const char *name);
-    /* `continued`: this is a further line of the last key's value. */
+    /* `continued`: the line continues the last key's value. */
     void (*value)(void *context, int line, const char *key, const char *value, bool continued);
     void (*fault)(void *context, int line, const char *advice, const char *message);
 } ini_events;
 
-/* Read text[size] (any bytes). SHEAR_OK also where there were faults; SHEAR_E_NOMEM. */
+/* Parse text[size], of any bytes. Return SHEAR_OK, also if there are faults, or SHEAR_E_NOMEM. */
 int ini_text_read(const char *text, size_t size, const ini_events *events, shear_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lists of texts. */
+/* Manage lists of strings. */
 #include "sheard/config.h"
 
 #include <stdlib.h>

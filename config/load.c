@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The file's values into a config. A value may have further lines, so that it is set when the next
- * one begins. */
+/* Load the file's values into a config. A value may continue on further lines, so it is set when
+ * the next one begins. */
 #include "base/cleanup.h"
 #include "file.h"
 #include "ini_text.h"
@@ -17,12 +17,12 @@ typedef struct loader {
     const char *path;
     char section[64];
     bool has_section, known_section;
-    bool holds; /* a value of setting `index`, from line `line`, is in `text` */
+    bool holds; /* `text` holds a value of setting `index` from line `line` */
     size_t index;
     int line;
-    char *text; /* owned; further lines are separated by '\n' */
+    char *text; /* owned; lines are separated by '\n' */
     int *seen;  /* [sheard_settings_count()] line of the file that set it, or 0 */
-    int code;   /* SHEAR_E_NOMEM, or SHEAR_OK */
+    int code;   /* SHEAR_OK or SHEAR_E_NOMEM */
     shear_error error;
 } loader;
 
@@ -37,7 +37,7 @@ static void on_fault(void *context, int line, const char *advice, const char *me
     report(context, line, &error);
 }
 
-/* Set the value that is held. */
+/* Set the value held, if there is one. */
 static void flush(loader *l) {
     shear_error error;
     if (l->holds && config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK)
@@ -66,7 +66,7 @@ static void out_of_memory(loader *l) {
 
 static void continue_value(loader *l, int line, const char *more) {
     if (!l->holds) {
-        return; /* of a key that has been complained about */
+        return; /* the key has been reported */
     }
     const sheard_setting s = sheard_setting_at(l->index);
     if (!value_is_list(&s)) {
@@ -86,7 +86,8 @@ static void continue_value(loader *l, int line, const char *more) {
     l->text = joined;
 }
 
-/* The setting, where it is known and new in this file. */
+/* Find the setting. Return false, and report the reason, if it is unknown or already set by this
+ * file. */
 static bool identify(loader *l, int line, const char *key) {
     shear_error error;
     if (!l->has_section) {
@@ -94,7 +95,7 @@ static bool identify(loader *l, int line, const char *key) {
         return false;
     }
     if (!l->known_section) {
-        return false; /* complained about at its head */
+        return false; /* the section's line has been reported */
     }
     if (config_find(l->section, key, &l->index, &error) != SHEAR_OK) {
         report(l, line, &error);
@@ -141,7 +142,7 @@ static int load_text(loader *l, const char *text, size_t size) {
     return code != SHEAR_OK ? code : l->code;
 }
 
-/* Remember the file, and forget the lines of another one. */
+/* Record the file's path, and clear the origins of all values. */
 static int renew_path(sheard_config *config, const char *path, shear_error *err) {
     char *copy = strdup(path);
     if (copy == NULL)

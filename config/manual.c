@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The settings as mdoc. */
+/* Print the settings as sections of an mdoc manual page. */
 #include "base/cleanup.h"
 #include "text.h"
 
 #include <string.h>
 
-/* Text for roff: backslashes and hyphens as such, no control line by accident, and each sentence on
- * a line of its own, as mdoc wants it. */
+/* Print text for roff: escape backslashes and hyphens, avoid accidental control lines, and begin
+ * each sentence on a new line, as mdoc requires. */
 static void print_roff(FILE *out, const char *text) {
     bool line_begins = true;
     for (; *text != '\0'; text++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Numbers: integers, bytes, durations and modes. A number is digits and, for bytes and durations, a
- * unit. */
+/* Parse and format numbers: integers, bytes, durations and modes. A number is digits and, for bytes
+ * and durations, a unit. */
 #include "value.h"
 
 #include <assert.h>
@@ -12,7 +12,7 @@ typedef struct number_unit {
     int64_t factor;
 } number_unit;
 
-/* Largest first, as number_format needs them. */
+/* Largest first, as number_format requires. */
 static const number_unit byte_units[] = {{"T", INT64_C(1) << 40},
                                          {"G", INT64_C(1) << 30},
                                          {"M", INT64_C(1) << 20},
@@ -29,8 +29,8 @@ static const number_unit *units_of(const sheard_setting *s) {
     return s->type == SHEARD_T_DURATION ? time_units : no_units;
 }
 
-/* Digits of a number in `base` at *text, which moves behind them. False if there are none; a
- * number beyond int64 becomes INT64_MAX, which is out of every setting's range. */
+/* Read the digits of a number in `base` at *text, and advance *text. Return false if there are
+ * none. A number beyond int64 becomes INT64_MAX, which is out of every setting's range. */
 static bool read_digits(const char **text, int base, int64_t *number) {
     const char *p = *text;
     int64_t n = 0;
@@ -52,7 +52,7 @@ static const number_unit *find_unit(const sheard_setting *s, const char *name) {
     return NULL;
 }
 
-/* Whether `text` is a number of this type at all; *number is INT64_MAX where it is too large. */
+/* Return whether `text` is a number of this type; *number is INT64_MAX if it is too large. */
 static bool read_number(const sheard_setting *s, const char *text, int64_t *number) {
     int64_t n = 0;
     if (!read_digits(&text, s->type == SHEARD_T_MODE ? 8 : 10, &n))
@@ -99,7 +99,7 @@ static const char *noun(const sheard_setting *s) {
 char *number_expected(const sheard_setting *s, char *buf, size_t size) {
     char low[32];
     char high[32];
-    sheard_setting plain = *s; /* its bounds are never the word */
+    sheard_setting plain = *s; /* bounds are printed as numbers, never as the word for 0 */
     plain.word = NULL;
     snprintf(buf, size, "%s%s%s from %s to %s%s%s", noun(s), s->unit != NULL ? " of " : "",
              s->unit != NULL ? s->unit : "", number_format(&plain, s->min, low, sizeof low),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Configurations as files: the sample, and what is in effect. */
+/* Print configurations as files: the commented sample, and the settings in effect. */
 #include "base/cleanup.h"
 #include "origin.h"
 #include "text.h"
@@ -26,12 +26,12 @@ static void comment(FILE *out, const char *text) {
     text_wrap(out, text, 2, "# ");
 }
 
-/* Whether the i-th setting begins a section. */
+/* Return whether the i-th setting is the first of its section. */
 static bool begins_section(size_t i) {
     return i == 0 || strcmp(sheard_setting_at(i).section, sheard_setting_at(i - 1).section) != 0;
 }
 
-/* "key = value"; a list has a line for each item, so that no line gets too long. */
+/* Print "key = value"; a list has a line per item, so that no line is too long. */
 static void print_value(FILE *out, const char *lead, const sheard_setting *s, const char *text) {
     const bool is_list = value_is_list(s);
     fprintf(out, "%s%s =%s", lead, s->key, *text != '\0' ? " " : "");

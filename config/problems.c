@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A list of what is wrong with a configuration. */
+/* Collect, print and summarize the problems of a configuration. */
 #include "base/text.h"
 #include "origin.h"
 
@@ -81,7 +81,7 @@ int sheard_problems_error(const sheard_problems *problems, shear_error *err) {
     if (problems->n_errors == 0)
         return SHEAR_OK;
     const sheard_problem *p = first_error(problems);
-    if (p == NULL) { /* behind more warnings than are kept */
+    if (p == NULL) { /* the errors came after as many warnings as are kept */
         return shear_fail(err, SHEAR_E_SETTING, "sheard --check-config lists them",
                           "the configuration has %zu errors", problems->n_errors);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A configuration from all its sources, and its check for an administrator. */
+/* Read a configuration from all its sources, or check it for an administrator. */
 #include "origin.h"
 #include "sheard/config.h"
 
@@ -12,7 +12,7 @@ static void assign_all(sheard_config *config, const sheard_list *assignments,
     }
 }
 
-/* The code of the first error, if there are more than `before`. */
+/* Return the code of the first error, or SHEAR_OK if there are no more than `before`. */
 static int first_code(const sheard_problems *problems, size_t before) {
     shear_error error;
     return problems->n_errors == before ? SHEAR_OK : sheard_problems_error(problems, &error);

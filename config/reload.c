@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two configurations: how they differ, and one taking over from the other while it is in use. */
+/* Compare two configurations, and reload a running one. */
 #include "origin.h"
 #include "sheard/config.h"
 #include "table.h"
@@ -12,7 +12,7 @@ bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t i
     sheard_setting s = sheard_setting_at(index);
     if (s.type != SHEARD_T_MEASURE)
         return value_equal(&s, config_const_member(a, &s), config_const_member(b, &s));
-    char text_a[VALUE_TEXT_MAX]; /* "auto" is NaN, which equals nothing: compare the texts */
+    char text_a[VALUE_TEXT_MAX]; /* "auto" is NaN, never equal to itself: compare texts */
     char text_b[VALUE_TEXT_MAX];
     return strcmp(shear_settings_format(&a->measure, s.measure, text_a, sizeof text_a),
                   shear_settings_format(&b->measure, s.measure, text_b, sizeof text_b)) == 0;
@@ -39,7 +39,8 @@ static void swap_bytes(void *a, void *b, size_t n) {
     memcpy(b, &kept, n);
 }
 
-/* Exchange what may change while running, and where everything comes from. Twice is as before. */
+/* Exchange the values that may change while running, and the origins of all. A second call undoes
+ * the first. */
 static void exchange(sheard_config *a, sheard_config *b) {
     for (size_t i = 0; i < config_n_rows; i++) {
         const sheard_setting *s = &config_rows[i];
@@ -66,7 +67,7 @@ static void warn_of_start(const sheard_config *running, const sheard_config *fre
     }
 }
 
-/* What runs on although its line says otherwise now. */
+/* Mark the settings that keep their value although the file's line has another. */
 static void mark_earlier(sheard_config *running, const sheard_config *fresh) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         if (sheard_setting_at(i).at_start && !sheard_config_same(running, fresh, i))

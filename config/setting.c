@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table as one: the daemon's own rows, and after them the measurement's as section [measure].
- */
+/* Provide the whole table of settings: the daemon's own rows, then the measurement's as section
+ * [measure]. */
 #include "table.h"
 
 #include "base/spelling.h"
@@ -8,7 +8,7 @@
 #include <assert.h>
 #include <string.h>
 
-/* In the rows' order. */
+/* In the order of the rows. */
 static const struct {
     const char *name, *help;
 } sections[] = {

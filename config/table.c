@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The rows of the table: what is written here is all that the code, the sample, the manual page and
- * the options know of a setting, beside its member of sheard_config. */
+/* Define the daemon's own settings. Apart from the member of sheard_config, a setting is defined
+ * only here: the code, the sample, the manual page and the options use these rows. */
 #include "table.h"
 
 #include "base/member.h"
@@ -14,7 +14,7 @@
 #define HOUR   (60 * MINUTE)
 #define DAY    (24 * HOUR)
 
-/* The C type of the member that a kind of setting is kept in. */
+/* The C type of the member of each type of setting. */
 #define C_PATH     char *
 #define C_NAME     char *
 #define C_PATHS    sheard_list

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* text.h: words for people. */
+/* text.h: format text for messages, help and samples. */
 #ifndef CONFIG_TEXT_H
 #define CONFIG_TEXT_H
 
@@ -7,14 +7,15 @@
 
 enum { TEXT_LINE = 78 }; /* columns */
 
-/* Print the words of `text` from column `column` on; further lines begin with `indent`. Ends the
- * line. */
+/* Print the words of `text` from column `column` on, and end the line. Further lines begin with
+ * `indent`. */
 void text_wrap(FILE *out, const char *text, int column, const char *indent);
 
-/* "A whole number of threads from 1 to 1024, or auto." Returns buf. */
+/* Describe the values of a setting: "A whole number of threads from 1 to 1024, or auto." Return
+ * buf. */
 char *text_expected(const sheard_setting *s, char *buf, size_t size);
 
-/* All has reached `out`: SHEAR_OK or SHEAR_E_IO. */
+/* Flush `out`. Return SHEAR_OK, or SHEAR_E_IO if anything could not be written. */
 int text_flushed(FILE *out, shear_error *err);
 
 #endif

@@ -11,7 +11,7 @@
 
 /* ---- paths and names ---- */
 
-/* The trailing part of a path that is '.' or '..' or holds one, as a whole component. */
+/* Return whether a component of the path is '.' or '..'. */
 static bool has_dots(const char *path) {
     for (const char *p = path; *p != '\0';) {
         size_t n = strcspn(p, "/");
@@ -23,8 +23,8 @@ static bool has_dots(const char *path) {
     return false;
 }
 
-/* What the file's syntax could not give back: control characters, and ';' or '#' behind a space,
- * which would begin a comment there. */
+/* Return whether the file's syntax could not express the text: control characters, and ';' or '#'
+ * after a space, which begin a comment. */
 static bool has_unwritable(const char *text) {
     for (const char *p = text; *p != '\0'; p++) {
         if (iscntrl((unsigned char)*p) || (*p == ' ' && (p[1] == ';' || p[1] == '#')))
@@ -57,7 +57,7 @@ static int check_path(const sheard_setting *s, const char *text, shear_error *er
     return SHEAR_OK;
 }
 
-/* "/a//b/" becomes "/a/b", so that equal paths are equal texts. */
+/* Change "/a//b/" to "/a/b", so that equal paths are equal texts. */
 static void tidy_path(char *path) {
     char *to = path;
     for (const char *from = path; *from != '\0'; from++) {
@@ -90,7 +90,7 @@ static int check_item(const sheard_setting *s, const char *item, shear_error *er
     return is_path(s) ? check_path(s, item, err) : check_name(s, item, err);
 }
 
-/* A tidied and checked copy of text[0..n). */
+/* Make a tidied and checked copy of text[0..n). */
 static int parse_item(const sheard_setting *s, const char *text, size_t n, char **item,
                       shear_error *err) {
     CLEANUP(release_free) char *copy = strndup(text, n);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What else can be done with a value: write, compare, release. */
+/* Format, compare and free values. */
 #include "value.h"
 
 #include <assert.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is allowed but will hardly work on this system. */
+/* Warn of settings that are allowed but will hardly work on this system. */
 #include "origin.h"
 
 #include <errno.h>
@@ -11,7 +11,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-enum { ENTRY_BYTES = 1 << 20 }; /* of a group with very many members */
+enum { ENTRY_BYTES = 1 << 20 }; /* room for a group with very many members */
 
 typedef struct warning_scene {
     const sheard_config *config;
@@ -24,7 +24,7 @@ static const char *where(warning_scene *scene, const char *section, const char *
     return config_where(scene->config, index, scene->where, sizeof scene->where);
 }
 
-/* False only if the user database answered, and does not know the name. */
+/* Return false only if the user database answered and does not have the name. */
 static bool group_known(const char *name, char *buf) {
     struct group entry;
     struct group *found = NULL;
@@ -43,7 +43,8 @@ static void warn_names(warning_scene *scene, const char *key, const sheard_list 
                        char *buf) {
     for (size_t i = 0; i < names->n; i++) {
         const char *name = names->items[i];
-        const bool is_number = name[strspn(name, "0123456789")] == '\0'; /* that will do, too */
+        const bool is_number =
+            name[strspn(name, "0123456789")] == '\0'; /* a number is accepted, too */
         if (!is_number && !(users ? user_known(name, buf) : group_known(name, buf))) {
             problems_warn(scene->problems, where(scene, "access", key),
                           "take it out, or reload the service once there is one: until then "
@@ -95,8 +96,8 @@ static void warn_roots(warning_scene *scene) {
     }
 }
 
-/* Descriptors beside the clients': database, spool, log, and per active job its input, its shared
- * memory, its channel and its catalog. */
+/* Descriptors beside the clients': database, spool and log; and, per active job, its input, shared
+ * memory, socket and catalog. */
 enum { OWN_DESCRIPTORS = 64, JOB_DESCRIPTORS = 6 };
 
 int64_t sheard_config_own_descriptors(const sheard_config *config) {

@@ -18,9 +18,9 @@ enum { LINKS_MAX = 40, DEPTH_MAX = 100, STEPS_MAX = 4096 };
 
 typedef struct way {
     const access_peer *peer;
-    int at[DEPTH_MAX +
-           1]; /* descriptors from the root (the caller's) to the current directory. ".." returns to
-                  the one before, even if the directory has been moved meanwhile */
+    /* Descriptors from the root (the caller's) to the current directory. ".." returns to the one
+     * before, even if the directory has been moved meanwhile. */
+    int at[DEPTH_MAX + 1];
     int depth;
     int links, steps;
     char text[2 * PATH_MAX];

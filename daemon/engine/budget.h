@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/budget.h: the memory that all jobs and kept plans may take together ([limits] memory). A
- * job reserves memory before it allocates it, and waits until enough is free. It holds no
+/* engine/budget.h: the memory that all jobs and kept plans may take together ([limits] memory).
+ *
+ * A job reserves memory before it allocates it, and waits until enough is free. It holds no
  * reservation while it waits, so no two jobs wait for each other. The waiting job of the highest
  * priority, then of the longest wait, is next, even if a smaller request would fit: otherwise a
- * large one could wait for ever. Called by jobs' threads, without the engine's lock. */
+ * large one could wait for ever.
+ *
+ * Called by jobs' threads, without the engine's lock. */
 #ifndef SHEARD_ENGINE_BUDGET_H
 #define SHEARD_ENGINE_BUDGET_H
 

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/internal.h: the engine's state, for its own files only. Threads: a worker measures, and
- * waits for the files of a job only within one read. Each job has a thread of its own
- * (job_thread.c), which opens it, starts and stops its reader, and finishes it: so hashing, a file
- * that hangs and a slow disk delay that job only. One lock guards the list of jobs and the members
- * named in job.h. It is never held while a job is worked on. A worker inside a job is counted in
- * job->holders, and the job's thread frees the job only when that is 0. */
+/* engine/internal.h: the engine's state, for its own files only.
+ *
+ * Threads: a worker measures, and waits for the files of a job only within one read. Each job has a
+ * thread of its own (job_thread.c), which opens it, starts and stops its reader, and finishes it:
+ * so hashing, a file that hangs and a slow disk delay that job only.
+ *
+ * One lock guards the list of jobs and the members named in job.h. It is never held while a job is
+ * worked on. A worker inside a job is counted in job->holders, and the job's thread frees the job
+ * only when that is 0. */
 #ifndef SHEARD_ENGINE_INTERNAL_H
 #define SHEARD_ENGINE_INTERNAL_H
 

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/plan_cache.h: measurement plans, shared by jobs and kept for later ones. Files of one
- * survey mostly have stamps of one shape, one set of settings and often one PSF: such jobs share a
- * plan (immutable, for any number of threads: shear/plan.h), and later jobs need not make it again.
- * Two jobs share a plan if their requests are equal to the last bit; the PSF itself is compared,
- * not a hash of it. The least recently used plans are freed first. Those in use are never freed, so
- * the limits apply to what is kept beyond its jobs. Thread-safe. */
+/* engine/plan_cache.h: measurement plans, shared by jobs and kept for later ones.
+ *
+ * Files of one survey mostly have stamps of one shape, one set of settings and often one PSF: such
+ * jobs share a plan (immutable, for any number of threads: shear/plan.h), and later jobs need not
+ * make it again. Two jobs share a plan if their requests are equal to the last bit; the PSF itself
+ * is compared, not a hash of it. The least recently used plans are freed first. Those in use are
+ * never freed, so the limits apply to what is kept beyond its jobs.
+ *
+ * Thread-safe. */
 #ifndef SHEARD_ENGINE_PLANS_H
 #define SHEARD_ENGINE_PLANS_H
 
