@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* json/settings.h: the measurement's settings as JSON. */
+/* json/settings.h: write the measurement's settings as a JSON object. */
 #ifndef PROTOCOL_JSON_SETTINGS_H
 #define PROTOCOL_JSON_SETTINGS_H
 
@@ -7,8 +7,8 @@
 
 #include <jansson.h>
 
-/* {"NAME": value, ...} for every setting of the table, in native types, "auto" as a string. A new
- * reference; NULL: memory is out. */
+/* Return {"NAME": value, ...} for every setting of the table, in native types, with "auto" as a
+ * string: a new reference, or NULL if out of memory. */
 json_t *json_settings(const shear_settings *s);
 
 #endif

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two faults of jansson, up to at least 2.14, are kept away here.
+/* Avoid two faults of jansson (up to 2.14 at least).
  *
- * Its lexer does not notice when it cannot grow the text of a token: bytes are dropped, a value may
- * silently change, and where the dropped byte is a closing quote it reads and writes beyond its
- * buffers. So its allocations come through here. While a text is loaded, the first request that the
- * system cannot serve is served from a reserve, and the input ends there: the lexer's buffer grows
- * only when it is fed, and by one doubling at most, which the reserve holds. All else that it does
- * with a NULL is right. The load then fails as out of memory.
+ * 1. Its lexer does not notice if it cannot enlarge the text of a token: bytes are dropped, a value
+ * may silently change, and if the dropped byte is a closing quote, it reads and writes beyond its
+ * buffers. So its memory is allocated by functions here. While a text is loaded, the first
+ * allocation that fails is served from a reserve, and the input ends there. The lexer's buffer
+ * grows only when it is given input, and by one doubling at most, for which the reserve is large
+ * enough. jansson handles all other failures correctly. The load then fails as out of memory.
  *
- * json_dumps passes over a failure to write a member's name: when memory is scarce, it returns a
- * text with the name left out. So the bytes are collected here, and a failure is remembered. */
+ * 2. json_dumps ignores a failure to write a member's name: if memory is scarce, it returns a text
+ * without the name. So the bytes are collected here, and a failure is recorded. */
 #include "json/tree.h"
 
 #include "base/buffer.h"
@@ -23,9 +23,9 @@
 #include <string.h>
 
 typedef struct reserve {
-    const char *next, *end; /* input that is to come */
-    bool spent;             /* the system had no memory */
-    char *free, *limit;     /* what is left of `bytes` */
+    const char *next, *end; /* the rest of the input */
+    bool spent;             /* an allocation has failed */
+    char *free, *limit;     /* the unused part of `bytes` */
     alignas(max_align_t) char bytes[];
 } reserve;
 
@@ -54,12 +54,13 @@ static void release(void *p) {
     free(p);
 }
 
-/* Before main, since jansson keeps the functions in plain globals: no thread may be running. */
+/* Runs before main, because jansson stores the functions in plain globals: no other thread may be
+ * running. */
 __attribute__((constructor)) static void install(void) {
     json_set_alloc_funcs(allocate, release);
 }
 
-/* One byte at a time, so that nothing is read after memory ran out. */
+/* Give the lexer one byte at a time, so that it reads nothing after memory ran out. */
 static size_t feed(void *bytes, size_t size, void *data) {
     reserve *r = data;
     if (r->spent || r->next == r->end || size == 0)
@@ -85,7 +86,7 @@ json_t *tree_load(const char *text, size_t n, size_t flags, tree_error *why) {
     if (r == NULL)
         return NULL;
     *r = (reserve){.next = text, .end = text + n, .free = r->bytes, .limit = r->bytes + spare};
-    assert(active == NULL); /* a load within a load would take the other's reserve */
+    assert(active == NULL); /* a nested load would use the other's reserve */
     active = r;
     json_error_t error = {.text = ""};
     json_t *value =

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The one table of error codes. docs/protocol.md lists the same (a test compares them). */
+/* Look up error codes and fill in errors. The table itself is SHEARD_RPC_CODES; a test compares it
+ * with docs/protocol.md. */
 #include "sheard/codes.h"
 
 #include "base/text.h"
@@ -27,7 +28,7 @@ int sheard_rpc_code_find(const char *name) {
     return SHEARD_RPC_UNKNOWN;
 }
 
-/* The names are the same by design. */
+/* libshear's codes have the same names by design. */
 int sheard_rpc_code_from_core(int core_code) {
     const int code = sheard_rpc_code_find(shear_code_name(core_code));
     return code == SHEARD_RPC_UNKNOWN ? SHEARD_RPC_INTERNAL : code;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields, as replies and notifications tell of them. */
+/* Tables of the messages about fields. */
 #include "message/table.h"
 
 MSG_PART(contribution, MSG_NEEDED(contribution, id), MSG(contribution, job),

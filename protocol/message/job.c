@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Jobs, as replies and notifications tell of them. */
+/* Tables of the messages about jobs. */
 #include "message/table.h"
 
 static const msg_member progress_members[] = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The names of states and kinds. "" is null in JSON. The order is that of the enums. */
+/* Names of states and kinds, in the order of the enums. "" is null in JSON. */
 #include "message/table.h"
 
 #include <assert.h>

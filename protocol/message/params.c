@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The parameters of requests. */
+/* Tables of the parameters of requests, and their checks. */
 #include "message/table.h"
 
 const msg_table msg_nothing = {.name = "nothing", .size = sizeof(sheard_msg_nothing)};
@@ -25,7 +25,7 @@ MSG_PART(image, MSG_STRING(image, path, SHEARD_MSG_PATH_MAX, MSG_REQUIRED | MSG_
          MSG_NUMBER(image, hdu, 0, SHEARD_MSG_HDU_MAX, -1, MSG_NULLABLE),
          MSG_STRING(image, extname, SHEARD_MSG_EXTNAME_MAX, MSG_PLAIN));
 
-/* A source's members stand among those of what it belongs to. */
+/* The members of a source are written among those of the message that contains it. */
 #define SOURCE_MEMBERS(T, at)                                                                      \
     MSG_STRING_AS(T, at path, "path", SHEARD_MSG_PATH_MAX, MSG_ABSOLUTE),                          \
         MSG_STRUCT_AS(T, at galaxy, "galaxy", image, MSG_NULLABLE),                                \
@@ -42,7 +42,7 @@ static int bad_source(sheard_rpc_error *error, int code, const char *parameter, 
         said);
 }
 
-/* The images in the order of enum shear_part. */
+/* List the images in the order of enum shear_part. */
 static void list_images(const sheard_msg_source *s, const sheard_msg_image *images[SHEAR_N_PARTS]) {
     images[SHEAR_PART_GALAXY] = &s->galaxy;
     images[SHEAR_PART_NOISE] = &s->noise;
@@ -50,7 +50,7 @@ static void list_images(const sheard_msg_source *s, const sheard_msg_image *imag
     images[SHEAR_PART_CATALOG] = &s->catalog;
 }
 
-/* An HDU is chosen by its number or by its name. */
+/* Check that each HDU is given by its number or by its name, not both. */
 static int check_choices(const sheard_msg_image *const images[SHEAR_N_PARTS],
                          sheard_rpc_error *error) {
     char parameter[SHEARD_RPC_PARAMETER_SIZE];
@@ -68,7 +68,7 @@ static int check_choices(const sheard_msg_image *const images[SHEAR_N_PARTS],
 static int check_source(const void *message, sheard_rpc_error *error) {
     const sheard_msg_source *s = message;
     const sheard_msg_image *images[SHEAR_N_PARTS];
-    const char *missing = NULL; /* the first image that is not there, of those that must be */
+    const char *missing = NULL; /* the first required image that is missing */
     bool any = false;
     list_images(s, images);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {

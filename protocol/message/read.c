@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From JSON to messages: objects and lists. */
+/* Read messages from JSON: objects and lists. */
 #include "base/text.h"
 #include "message/reader.h"
 #include "json/tree.h"
@@ -28,7 +28,7 @@ static int refuse_unknown(msg_reader *r, const msg_table *table, const char *nam
 }
 
 static int check_names(msg_reader *r, const msg_table *table, const json_t *object) {
-    /* jansson's iterators take no const; nothing is changed. */
+    /* jansson's iterators are not const; nothing is changed. */
     json_t *o = (json_t *)object;
     for (void *i = json_object_iter(o); i != NULL; i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
@@ -43,8 +43,7 @@ static int copy_object(const msg_reader *r, const char **at, const json_t *objec
     return *at != NULL ? SHEARD_RPC_OK : reader_no_memory(r);
 }
 
-/* What an object has beside the members that the table names. (json_copy passes over want of
- * memory.) */
+/* Read the members that the table does not name. (json_copy ignores lack of memory.) */
 static int read_merged(const msg_reader *r, const char **at, const msg_table *table,
                        const json_t *object) {
     json_t *o = (json_t *)object;
@@ -75,7 +74,7 @@ static int read_states(msg_reader *r, unsigned *set, const msg_member *m, const 
     return SHEARD_RPC_OK;
 }
 
-/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are nested */
 
 static int read_object(msg_reader *r, void *message, const msg_table *table, const json_t *object);
 
@@ -92,7 +91,7 @@ static int read_item(msg_reader *r, void *at, const msg_member *m, const json_t 
     }
 }
 
-/* At every moment the list and its length are what msg_deinit can free. */
+/* Read a list. At any time the list and its length are such that msg_deinit can free them. */
 static int read_items(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
     const size_t n = json_array_size(value);
     const size_t size = msg_item_size(m);
@@ -147,7 +146,7 @@ static int read_value(msg_reader *r, void *message, const msg_member *m, const j
     }
 }
 
-/* null is as good as absent. */
+/* Read a member. null means absent. */
 static int read_member(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
     const size_t mark = reader_enter(r, m->name);
     int code = SHEARD_RPC_OK;

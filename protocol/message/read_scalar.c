@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From JSON to messages: numbers, names, times and strings. */
+/* Read messages from JSON: numbers, names, times and strings. */
 #include "base/text.h"
 #include "message/reader.h"
 #include "json/text.h"
@@ -41,7 +41,7 @@ static int read_real(const msg_reader *r, double *at, const msg_member *m, const
     return SHEARD_RPC_OK;
 }
 
-/* A text with a NUL in it equals no name. */
+/* A text with a NUL in it does not match any name. */
 int reader_name_index(const char *const *names, const json_t *value) {
     const char *text = json_string_value(value);
     for (int i = 0; text != NULL && names[i] != NULL; i++) {
@@ -55,7 +55,7 @@ int reader_name_index(const char *const *names, const json_t *value) {
 
 int reader_wrong_name(const msg_reader *r, const char *const *names, const json_t *value) {
     char known[200] = "";
-    text_list(known, sizeof known, names + (names[0][0] == '\0')); /* "" is null */
+    text_list(known, sizeof known, names + (names[0][0] == '\0')); /* "" stands for null */
     if (!json_is_string(value)) {
         return reader_fail(r, SHEARD_RPC_BAD_PARAMETER, "expected one of %s, not %s", known,
                            json_text_kind(value));
@@ -64,7 +64,8 @@ int reader_wrong_name(const msg_reader *r, const char *const *names, const json_
                        json_string_value(value));
 }
 
-/* What a newer service may say is -1, "unknown"; what a client says must be known. */
+/* Read a name. An unknown name of a newer service becomes -1, "unknown"; one of a client is an
+ * error. */
 static int read_name(const msg_reader *r, int *at, const msg_member *m, const json_t *value) {
     *at = reader_name_index(m->names, value);
     if (*at < 0 && (reader_is_strict(r) || !json_is_string(value)))

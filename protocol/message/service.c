@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The service itself: greeting, status, and what administrators ask for. */
+/* Tables of the messages about the service: greeting, status, and administrators' methods. */
 #include "message/table.h"
 
 MSG_WHOLE(limits, MSG(limits, line_bytes), MSG(limits, depth), MSG(limits, values),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Canonical settings and JSON objects of native types. */
+/* Convert between canonical settings and JSON objects of native types. */
 #include "json/settings.h"
 
 #include "message/reader.h"
@@ -39,10 +39,10 @@ static void write_double(const shear_setting_def *def, double value, char *buf, 
     shear_settings s;
     shear_settings_init(&s);
     *(double *)(void *)((char *)&s + def->offset) = value;
-    shear_settings_format(&s, def, buf, size); /* the shortest that reads back */
+    shear_settings_format(&s, def, buf, size); /* shortest text of the same value */
 }
 
-/* The JSON value as the text that shear_settings_set reads; false: of the wrong type. */
+/* Convert the JSON value to text for shear_settings_set. Return false if it has the wrong type. */
 static bool value_text(const shear_setting_def *def, const json_t *value, char *buf, size_t size) {
     if (is_auto(def, value)) {
         snprintf(buf, size, "%s", shear_setting_auto(def));
@@ -65,13 +65,13 @@ static bool value_text(const shear_setting_def *def, const json_t *value, char *
     }
 }
 
-/* The settings of an object while they are read. */
+/* The settings of an object being read. */
 typedef struct given_settings {
     shear_settings values;
-    bool given[MOST_SETTINGS]; /* by their index in the table */
+    bool given[MOST_SETTINGS]; /* by index in the table */
 } given_settings;
 
-/* A newer service may have settings that we do not know: they are passed over. */
+/* Read a setting. Unknown settings of a newer service are ignored. */
 static int read_setting(msg_reader *r, given_settings *g, const char *name, const json_t *value) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
@@ -96,7 +96,7 @@ static int read_setting(msg_reader *r, given_settings *g, const char *name, cons
 }
 
 static int read_settings(msg_reader *r, given_settings *g, const json_t *object) {
-    json_t *o = (json_t *)object; /* jansson's iterators take no const */
+    json_t *o = (json_t *)object; /* jansson's iterators are not const */
     int code = SHEARD_RPC_OK;
     for (void *i = json_object_iter(o); i != NULL && code == SHEARD_RPC_OK;
          i = json_object_iter_next(o, i)) {
@@ -126,7 +126,7 @@ int reader_settings(msg_reader *r, const char **at, const json_t *value) {
 
 /* ---- Writing ---- */
 
-/* Copy from `all` what `text` names. False: memory is out. */
+/* Copy the settings named in `text` from `all`. Return false if out of memory. */
 static bool pick_named(json_t *object, json_t *all, const char *text) {
     char line[SETTINGS_TEXT_LINE];
     char *value = NULL;

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* -0 and 0 are one value and must be one text. */
+/* Replace -0 by 0: they are equal, and must have equal text. */
 static void drop_sign_of_zero(shear_settings *s, const shear_setting_def *def) {
     double *value = (void *)((char *)s + def->offset);
     if (def->type == SHEAR_T_DOUBLE && *value == 0.0)
@@ -64,7 +64,7 @@ int sheard_settings_apply(shear_settings *s, const char *text, shear_error *err)
     return code == SHEAR_OK ? shear_settings_check(s, err) : code;
 }
 
-/* What 0.1 called auto. */
+/* Read settings of version 0.1, in which `auto` had another meaning. */
 static int read_old(shear_settings *s, const char *text, shear_error *err) {
     static const char beneath[] = "preset=zhang2010\n";
     shear_settings_init(s);

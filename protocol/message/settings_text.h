@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* message/settings_text.h: the lines of canonical settings (sheard/messages.h). */
+/* message/settings_text.h: write and read the lines of canonical settings (sheard/messages.h). */
 #ifndef PROTOCOL_MESSAGE_SETTINGS_TEXT_H
 #define PROTOCOL_MESSAGE_SETTINGS_TEXT_H
 
@@ -12,11 +12,11 @@ enum {
     SETTINGS_TEXT_LINE = 160  /* bytes of a line */
 };
 
-/* Append "NAME=VALUE\n" to buf[size]; false: it does not fit. */
+/* Append "NAME=VALUE\n" to buf[size]. Return false if it does not fit. */
 bool settings_text_add(char *buf, size_t size, const shear_settings *s,
                        const shear_setting_def *def);
 
-/* The next line of *text, which moves on: its name in `line`, its value in *value. */
+/* Read the next line of *text, which is advanced: its name into `line`, its value into *value. */
 int settings_text_next(const char **text, char line[SETTINGS_TEXT_LINE], char **value,
                        shear_error *err);
 

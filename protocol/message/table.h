@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* message/table.h: every message is a table of its members; one reader, one writer and one deinit
- * walk it. A table and its struct cannot drift apart: a macro does not compile if the member has
- * another type. Beside the struct (sheard/messages.h) a table is all that a message needs. */
+/* message/table.h: tables that describe messages. Each message is a table of its members, and one
+ * reader, one writer and one deinit use all tables. A macro does not compile if the member has
+ * another type, so a table always matches its struct. A message needs only its struct
+ * (sheard/messages.h) and its table. */
 #ifndef PROTOCOL_MESSAGE_TABLE_H
 #define PROTOCOL_MESSAGE_TABLE_H
 
@@ -18,7 +19,7 @@ enum msg_type {
     MSG_INT,      /* int64_t; null for the fallback if MSG_NULLABLE */
     MSG_REAL,     /* double; null for NaN */
     MSG_TEXT,     /* const char *; null for NULL */
-    MSG_NAME,     /* int or an enum, an index into `names`; null for the one that is "" */
+    MSG_NAME,     /* int or an enum, an index into `names`; null for the name "" */
     MSG_TIME,     /* int64_t ms; null for 0 */
     MSG_RAW,      /* const char *, a JSON object as text; null for NULL */
     MSG_SETTINGS, /* const char *, canonical settings <-> an object; null for NULL */
@@ -27,11 +28,12 @@ enum msg_type {
     MSG_TEXTS,    /* const char *const *, size_t */
     MSG_OBJECT,   /* a struct within the struct */
     MSG_OBJECTS,  /* const struct *, size_t */
-    MSG_MERGED /* const char *, a JSON object whose members stand beside ours; at most one, first */
+    MSG_MERGED /* const char *, a JSON object whose members are merged into the message; at most one
+                  per table, and first */
 };
 
 enum msg_flag {
-    MSG_REQUIRED = 1, /* must be there and not null */
+    MSG_REQUIRED = 1, /* must be present and not null */
     MSG_NULLABLE = 2, /* MSG_INT: the fallback is written as null.
                          MSG_OBJECT: null if its first member is at its fallback */
     MSG_PLAIN = 4,    /* MSG_TEXT, MSG_TEXTS: not empty, no control characters */
@@ -43,14 +45,14 @@ typedef struct msg_table msg_table;
 typedef struct msg_member {
     const char *name;
     enum msg_type type;
-    unsigned flags;      /* enum msg_flag, or'ed */
-    size_t offset;       /* in the struct */
-    size_t count_offset; /* of a list's length */
-    int64_t min, max;    /* of numbers (MSG_REAL: seconds and the like, whole bounds); bytes of a
-                            text; most elements of a list. max 0: no bounds */
-    int64_t item_max;    /* MSG_TEXTS: bytes of an element */
-    int64_t fallback;    /* if absent: MSG_INT, MSG_NAME, MSG_BOOL */
-    const char *const *names; /* ended by NULL */
+    unsigned flags;      /* set of enum msg_flag */
+    size_t offset;       /* of the member in the struct */
+    size_t count_offset; /* of the list's length in the struct */
+    int64_t min, max; /* range of numbers (whole numbers also for MSG_REAL); bytes of a text; most
+                         elements of a list. max 0: no limits */
+    int64_t item_max; /* MSG_TEXTS: most bytes of an element */
+    int64_t fallback; /* value if absent: MSG_INT, MSG_NAME, MSG_BOOL */
+    const char *const *names; /* terminated by NULL */
     const msg_table *table;   /* of MSG_OBJECT and MSG_OBJECTS */
 } msg_member;
 
@@ -59,8 +61,8 @@ struct msg_table {
     size_t size;      /* of the struct */
     const msg_member *members;
     size_t n;
-    /* What one member alone does not show; NULL: nothing. Called only on what a client sent or is
-     * about to send. */
+    /* Check conditions between members, in messages that a client sent or is about to send; NULL:
+     * none. */
     int (*check)(const void *message, sheard_rpc_error *error);
 };
 
@@ -72,8 +74,8 @@ struct msg_table {
         __VA_ARGS__                                                                                \
     }
 
-/* Of a type that says all: bool, double, const char *, and int64_t for a count or an id, 0 or more,
- * 0 if absent. */
+/* A member whose type is enough: bool, double, const char *, and int64_t for a count or an id (0 or
+ * more, 0 if absent). */
 #define MSG(T, member)        MSG_FLAGGED(T, member, 0)
 #define MSG_NEEDED(T, member) MSG_FLAGGED(T, member, MSG_REQUIRED)
 #define MSG_FLAGGED(T, member, flag)                                                                 \
@@ -100,7 +102,7 @@ struct msg_table {
 #define MSG_JSON(T, member, kind) MSG_MEMBER(T, member, #member, kind, const char *, .flags = 0)
 #define MSG_SET(T, member, list)                                                                   \
     MSG_MEMBER(T, member, #member, MSG_STATES, unsigned, .names = (list))
-/* Lists, of n_MEMBER elements */
+/* Lists of n_MEMBER elements */
 #define MSG_LIST(T, member, kind, c_type, ...)                                                     \
     MSG_MEMBER(T, member, #member, kind, c_type,                                                   \
                .count_offset = MEMBER_AT(sheard_msg_##T, n_##member, size_t), __VA_ARGS__)
@@ -109,21 +111,21 @@ struct msg_table {
 #define MSG_STRINGS(T, member, longest, item, flag)                                                \
     MSG_LIST(T, member, MSG_TEXTS, const char *const *, .max = (longest), .item_max = (item),      \
              .flags = (flag))
-/* Structs sheard_msg_S, by their table msg_S */
+/* Lists of structs sheard_msg_S, by their table msg_S */
 #define MSG_LISTED(T, member, S)                                                                   \
     MSG_LIST(T, member, MSG_OBJECTS, const sheard_msg_##S *, .table = &msg_##S)
 #define MSG_STRUCT(T, member, S, flag) MSG_STRUCT_AS(T, member, #member, S, flag)
 #define MSG_STRUCT_AS(T, member, key, S, flag)                                                     \
     MSG_MEMBER(T, member, key, MSG_OBJECT, sheard_msg_##S, .flags = (flag), .table = &msg_##S)
 
-/* The table msg_T of T_members[], with its check or NULL; `static` may stand before it. */
+/* Define the table msg_T of T_members[], with its check or NULL. `static` may precede it. */
 #define MSG_TABLE(T, its_check)                                                                    \
     const msg_table msg_##T = {.name = #T,                                                         \
                                .size = sizeof(sheard_msg_##T),                                     \
                                .members = T##_members,                                             \
                                .n = sizeof T##_members / sizeof T##_members[0],                    \
                                .check = (its_check)}
-/* The same of few members, without a check; a part of other messages, seen by no other file. */
+/* Define a static table of a few members, without a check, for a part of other messages. */
 #define MSG_WHOLE(T, ...)                                                                          \
     static const msg_member T##_members[] = {__VA_ARGS__};                                         \
     MSG_TABLE(T, NULL)
@@ -131,7 +133,8 @@ struct msg_table {
     static const msg_member T##_members[] = {__VA_ARGS__};                                         \
     static MSG_TABLE(T, NULL)
 
-/* The tables of what is asked, answered and told, and of what several of them hold. */
+/* Tables of all parameters, replies and notifications, and of the structs that several of them
+ * contain. */
 #define METHOD(NAME, name, params, reply, admin) extern const msg_table msg_##params, msg_##reply;
 SHEARD_METHODS(METHOD)
 #undef METHOD
@@ -151,21 +154,21 @@ extern const char *const msg_job_origins[];
 extern const char *const msg_attempt_outcomes[];
 extern const char *const msg_server_states[];
 extern const char *const msg_shutdown_modes[];
-/* names[index]; "unknown" if there is none. */
+/* Return names[index], or "unknown" if there is none. */
 const char *msg_name(const char *const *names, int index);
 
 /* ---- Values in memory (message/value.c) ---- */
 
 void msg_init(void *message, const msg_table *table);
 void msg_deinit(void *message, const msg_table *table);
-/* Of a MSG_NULLABLE object: is it there? */
+/* Return whether a MSG_NULLABLE object is present. */
 bool msg_is_there(const void *message, const msg_table *table);
-/* Would a reader that finds nothing fill in this very value? */
+/* Return whether the member has the value of an absent one. */
 bool msg_is_absent(const void *message, const msg_member *m);
 
-void *msg_pointer(const void *message, size_t offset); /* the pointer that is kept there */
+void *msg_pointer(const void *message, size_t offset); /* the pointer stored at the offset */
 void msg_put_pointer(void *message, size_t offset, const void *pointer);
-/* Of lists: their length, and the bytes of an element. */
+/* Return a list's length; set it; return the bytes of an element. */
 size_t msg_count(const void *message, const msg_member *m);
 void msg_put_count(void *message, const msg_member *m, size_t n);
 size_t msg_item_size(const msg_member *m);
@@ -173,16 +176,16 @@ size_t msg_item_size(const msg_member *m);
 /* ---- Reading and writing (message/read.c, message/write.c) ---- */
 
 enum msg_mode {
-    MSG_STRICT = 1, /* from a client: unknown members are errors, all bounds hold */
+    MSG_STRICT = 1, /* from a client: unknown members are errors, all limits apply */
     MSG_SPARSE = 2  /* writing: members at their fallback are left out */
 };
 
-/* Fill `message` from `object` (NULL: an empty one). On an error it is empty. The path of what is
- * wrong goes to error->parameter. */
+/* Fill `message` from `object` (NULL: an empty one). On an error the message is empty, and
+ * error->parameter is the path of what is wrong. */
 int msg_read(void *message, const msg_table *table, const json_t *object, unsigned mode,
              sheard_rpc_error *error);
 
-/* A new object, or NULL with *error set. */
+/* Return the message as a new object, or NULL with *error set. */
 json_t *msg_write(const void *message, const msg_table *table, unsigned mode,
                   sheard_rpc_error *error);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Times: milliseconds since 1970, UTC, to RFC 3339 and back. */
+/* Convert times between milliseconds since 1970, UTC, and RFC 3339. */
 #include "sheard/messages.h"
 
 #include <stdio.h>
@@ -8,7 +8,7 @@
 
 enum { LAST_YEAR = 9999 };
 
-/* The first millisecond of year 0 and the last of year 9999: what four digits can say. */
+/* The first millisecond of year 0 and the last of year 9999: the range of four digits. */
 static const int64_t earliest = INT64_C(-62167219200000), latest = INT64_C(253402300799999);
 
 char *sheard_time_format(int64_t ms, char buf[SHEARD_TIME_SIZE]) {
@@ -29,7 +29,7 @@ char *sheard_time_format(int64_t ms, char buf[SHEARD_TIME_SIZE]) {
     return buf;
 }
 
-/* Exactly `digits` digits as a number; false if they are not there. */
+/* Read a number of exactly `digits` digits. Return false if they are not there. */
 static bool read_number(const char **text, int digits, int *value) {
     *value = 0;
     for (int i = 0; i < digits; i++, (*text)++) {
@@ -56,7 +56,7 @@ static bool read_date(const char **text, struct tm *tm) {
            read_number(text, 2, &tm->tm_sec);
 }
 
-/* A leap second (:60) is taken as the second after :59. */
+/* Check a date. A leap second (:60) counts as the second after :59. */
 static bool date_is_real(const struct tm *tm) {
     static const int days[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     const int y = tm->tm_year;
@@ -66,7 +66,7 @@ static bool date_is_real(const struct tm *tm) {
            tm->tm_min <= 59 && tm->tm_sec <= 60;
 }
 
-/* ".25" in milliseconds, further digits cut off; nothing there is 0. */
+/* Read ".25" as milliseconds; further digits are ignored, and no fraction is 0. */
 static bool read_fraction(const char **text, int *ms) {
     *ms = 0;
     if (**text != '.')
@@ -77,7 +77,7 @@ static bool read_fraction(const char **text, int *ms) {
     return *text > first;
 }
 
-/* "Z" or "+01:30", in seconds. */
+/* Read "Z" or "+01:30" as seconds. */
 static bool read_offset(const char **text, int *seconds) {
     *seconds = 0;
     if (read_char(text, 'Z', 'z'))

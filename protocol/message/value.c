@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Messages in memory: their beginning and their end. */
+/* Initialize, examine and free messages in memory. */
 #include "message/table.h"
 
 #include <assert.h>
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pointers of any type have one representation here; memcpy keeps clear of the rules of aliasing.
- */
+/* Read a pointer of any type: all have one representation here, and memcpy respects the aliasing
+ * rules. */
 void *msg_pointer(const void *message, size_t offset) {
     void *pointer = NULL;
     memcpy(&pointer, (const char *)message + offset, sizeof pointer);
@@ -35,7 +35,7 @@ size_t msg_item_size(const msg_member *m) {
                                   : m->table->size;
 }
 
-/* How a member that is neither an object nor a list lies in memory. */
+/* Return the C type of a member that is neither an object nor a list. */
 static enum member_type memory_of(const msg_member *m) {
     assert(m->table == NULL);
     static const enum member_type types[] = {
@@ -57,7 +57,7 @@ static member_value fallback_of(const msg_member *m) {
     case MSG_NAME:
         return (member_value){.number = (int)m->fallback};
     default:
-        return (member_value){.text = NULL}; /* the largest member: clang fills no more */
+        return (member_value){.text = NULL}; /* the largest: clang initializes no more */
     }
 }
 
@@ -65,7 +65,7 @@ static bool is_list(const msg_member *m) {
     return m->type == MSG_INTS || m->type == MSG_TEXTS || m->type == MSG_OBJECTS;
 }
 
-/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are nested */
 
 bool msg_is_absent(const void *message, const msg_member *m) {
     const void *at = (const char *)message + m->offset;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From messages to JSON. */
+/* Write messages as JSON. */
 #include "base/text.h"
 #include "message/reader.h"
 #include "json/text.h"
@@ -9,12 +9,12 @@
 #include <string.h>
 
 typedef struct writer {
-    unsigned mode;           /* enum msg_mode, or'ed */
+    unsigned mode;           /* set of enum msg_mode */
     sheard_rpc_error *error; /* set at the first failure */
     bool failed;
 } writer;
 
-/* NULL, with the reason kept. A reason that is there already stays. */
+/* Return NULL, and record the reason unless there is one already. */
 static json_t *fail(writer *w, int code, const char *member) {
     if (w->failed)
         return NULL;
@@ -33,7 +33,8 @@ static json_t *made(writer *w, json_t *value) {
     return value != NULL ? value : fail(w, SHEARD_RPC_OUT_OF_MEMORY, "");
 }
 
-/* A request must say what was meant: a path with a byte replaced would be another path. */
+/* Write a text. In a request it must be UTF-8: a path with a byte replaced would be another path.
+ */
 static json_t *write_text(writer *w, const char *member, const char *text) {
     json_t *value = made(w, json_text_string(text));
     if (value != NULL && text != NULL && (w->mode & MSG_SPARSE) != 0 &&
@@ -94,7 +95,7 @@ static json_t *write_time(writer *w, int64_t ms) {
     return ms == 0 ? json_null() : made(w, json_string(sheard_time_format(ms, text)));
 }
 
-/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are nested */
 
 static json_t *write_object(writer *w, const void *message, const msg_table *table);
 

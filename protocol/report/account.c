@@ -14,7 +14,7 @@ static int small(const json_t *o, const char *key) {
     return (int)json_text_count_at(o, key);
 }
 
-/* The number of the choice of a setting that `o` has under the setting's name; 0 if it has none. */
+/* Return the index of the choice that `o` has under the setting's name; 0 if it has none. */
 static unsigned choice(const json_t *o, const char *setting) {
     const char *name = json_text_string_at(o, setting);
     const char *const *choices = shear_settings_find(setting)->choices;
@@ -33,7 +33,7 @@ static enum shear_noise_band noise_band_named(const char *name) {
     return SHEAR_NOISE_BAND_NONE;
 }
 
-/* Accounts of older versions have none: nothing is known then. */
+/* Read the PSF's summary. Accounts of older versions have none: it is unknown then. */
 static shear_psf_summary read_psf(const json_t *o) {
     shear_psf_summary s = {
         .looked_at = json_text_count_at(o, "looked_at"),

@@ -7,11 +7,11 @@
 #include <math.h>
 
 static const double REMOVED_MAX = 0.01, REMOVED_SIGMA = 3.0;
-/* The step of a gradient across a stamp, as a part of the mean flux, from which its effect on the
- * shear is 10^-4: c = 1.6 10^-3 of its square without a filter, a twentieth of that with one. */
+/* Step of a gradient across a stamp, as a part of the mean flux, at which its effect on the shear
+ * is 10^-4: c = 1.6 10^-3 of its square without a filter, a twentieth of that with one. */
 static const double STEP_OPEN = 0.3, STEP_FILTERED = 1.0;
 static const double ROUNDING = 1e-9;
-enum { FEWEST = 10 }; /* stamps whose scatter is an error */
+enum { FEWEST = 10 }; /* fewest stamps whose scatter gives an error */
 static const double BORDER_SIGMA = 4.0, BORDER_FLUX = 0.02, ROUGH_MAX = 0.05;
 static const double ARTEFACT_SHARE = 0.02;
 static const int64_t ARTEFACTS_MIN = 10;
@@ -57,8 +57,8 @@ const char *sheard_advice_bright_border(const shear_result *r, const shear_plan_
         100.0 * r->border_excess * stamp_area(plan) / r->mean_flux);
 }
 
-/* What the borders vary beyond the noise under the galaxies, where its level is known, or all of it
- * is not in the noise stamps. */
+/* Return the variance of the borders beyond the noise under the galaxies: that of the noise stamps
+ * at the noise level, if it is known, or all of it if the noise stamps hold no noise. */
 static double beyond_noise(const shear_result *r, const shear_plan_info *plan) {
     const bool known = r->noise_level > 0.0;
     const bool all = isfinite(r->high_galaxy) && sheard_advice_noise_left(r, plan) != 0.0;
@@ -85,7 +85,8 @@ const char *sheard_advice_rough_border(const shear_result *r, const shear_plan_i
         extra, r->border_rough_err, r->border_noise_var);
 }
 
-/* The mean square of the steps beyond that of white noise of the level under the galaxies. */
+/* Return the mean square of the steps beyond that of white noise at the level under the galaxies.
+ */
 static double step2_beyond_noise(const shear_result *r, const shear_plan_info *plan) {
     const bool known = r->noise_level > 0.0;
     const double of_noise =
@@ -93,7 +94,7 @@ static double step2_beyond_noise(const shear_result *r, const shear_plan_info *p
     return r->border_step2 - (known ? (r->noise_level - 1.0) * of_noise : 0.0);
 }
 
-/* Told where it changes the shear by about 10^-4. */
+/* Return whether the step changes the shear by about 10^-4 or more. */
 static bool is_steep(double step, const shear_result *r, const shear_plan_info *plan) {
     const double part = step * stamp_area(plan) / r->mean_flux;
     return part > (plan->filter != SHEAR_FILTER_NONE ? STEP_FILTERED : STEP_OPEN);
@@ -121,7 +122,7 @@ const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info 
     }
     if (sheard_advice_noise_shape(r, plan, buf, size) != NULL ||
         sheard_advice_no_noise(r, plan, buf, size) != NULL) {
-        return NULL; /* white noise is no measure of the steps of correlated noise */
+        return NULL; /* the steps of correlated noise cannot be derived from white noise */
     }
     const bool real = fabs(r->border_step2) > ROUNDING * r->border_noise_var;
     if (real && step2 > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What makes a field's shear wrong, or takes it away, whatever the numbers say. */
+/* Causes that make a field's shear wrong, or prevent it, in words. */
 #include "sheard/advice.h"
 
 #include "report/advice_say.h"
@@ -8,23 +8,23 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double BIAS_MIN = 2e-3; /* of the shear, to be told */
-static const double BIAS_BAD = 1e-2; /* to be a reason against a file */
-static const double BIAS_NONE = 0.1; /* of an estimate that is rough; may leave no shear at all */
+static const double BIAS_MIN = 2e-3; /* of the shear: least bias to warn of */
+static const double BIAS_BAD = 1e-2; /* of the shear: bias that makes a file bad */
+static const double BIAS_NONE = 0.1; /* of the shear, by a rough estimate; may prevent any shear */
 static const double SIGMA = 4.0;
-static const double NOTHING = 0.01; /* of the galaxies' noise: as good as none */
-static const double SMOOTH = 4.0;   /* a border that varies by less than twice its mean: wings? */
+static const double NOTHING = 0.01; /* of the galaxies' noise: negligible */
+static const double SMOOTH = 4.0;   /* a variance below so many squared means may be wings */
 
-/* What a pixel's noise under the galaxies varies by; 0 where it cannot be told. Read off at high k
- * or, where the PSF leaves no wave numbers for that, from the borders. */
+/* Return the variance of a pixel's noise under the galaxies, or 0 if it cannot be determined. It is
+ * read off at high k or, if the PSF leaves no wave numbers for that, from the borders. */
 static double noise_of_galaxies(const shear_result *r) {
     const double wings = SMOOTH * r->border_excess * r->border_excess;
     const bool rough = r->border_rough > SIGMA * r->border_rough_err && r->border_rough > wings;
     return isfinite(r->high_galaxy) ? r->high_galaxy : rough ? r->border_rough : 0.0;
 }
 
-/* What white noise of that variance adds to a stamp's D, behind a PSF near a Gaussian: the integral
- * of (k^2 - beta^2 k^4/2) T over the plane of modes. */
+/* Return the contribution of white noise of that variance to a stamp's D, for a PSF near a
+ * Gaussian: the integral of (k^2 - beta^2 k^4/2) T over the plane of modes. */
 static double d_of_noise(double variance, const shear_plan_info *plan) {
     const double r2 = plan->r_psf_px * plan->r_psf_px;
     const double gamma2 = plan->beta_px * plan->beta_px - r2;
@@ -35,7 +35,7 @@ static double d_of_noise(double variance, const shear_plan_info *plan) {
 double sheard_advice_noise_left(const shear_result *r, const shear_plan_info *plan) {
     const double variance = noise_of_galaxies(r);
     const double noise_d = r->sum_weight * d_of_noise(variance, plan);
-    const double corrected = r->noise_share * r->sum_d; /* by the noise stamps */
+    const double corrected = r->noise_share * r->sum_d; /* subtracted by the noise stamps */
     const bool has_none = !isfinite(r->noise_level) && variance > 0.0 &&
                           fabs(corrected) < NOTHING * fabs(noise_d) &&
                           r->border_noise_var < NOTHING * (r->border_rough + r->border_noise_var);
@@ -77,7 +77,7 @@ const char *sheard_advice_small_stamps(const shear_result *r, const shear_plan_i
         plan->geometry.nx, plan->geometry.ny, plan->beta_px, much, ceil(10.0 * plan->beta_px));
 }
 
-/* The noises' spectra differ by so much. */
+/* Return whether the two spectra of noise differ by that much. */
 static bool has_wrong_noise(const shear_result *r, const shear_plan_info *plan) {
     char line[SHEARD_ADVICE_SIZE];
     return sheard_advice_noise_shape(r, plan, line, sizeof line) != NULL &&

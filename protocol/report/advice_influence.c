@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Few stamps that decide, and errors that disagree, in words. */
+/* Warn of few stamps that decide a result, and of errors that disagree. */
 #include "sheard/advice.h"
 
 #include "report/advice_say.h"
@@ -32,7 +32,7 @@ const char *sheard_advice_influence(const shear_result *r, const char *top_file,
     return n > 0 ? buf : NULL;
 }
 
-/* A jackknife of few groups has an error itself. */
+/* Return the factor by which errors must differ. A jackknife of few groups has an error itself. */
 static double far_apart(int groups) {
     return fmax(ERRORS_APART, exp(ERRORS_SIGMA / sqrt(2.0 * (groups - 1))));
 }

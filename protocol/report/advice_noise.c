@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the noise level says, in words. */
+/* Warn of the noise level and its error, in words. */
 #include "sheard/advice.h"
 
 #include "report/advice_say.h"
@@ -11,11 +11,11 @@
 static const double LEVEL_MIN = 0.01, LEVEL_SIGMA = 4.0, EFFECT_MIN = 2e-3;
 static const double LEVEL_FAR = 2.0; /* or its inverse */
 static const double SHAPE_MIN = 0.03, SHAPE_SIGMA = 5.0;
-static const double FEWEST = 10.0;     /* stamps whose scatter is an error */
+static const double FEWEST = 10.0;     /* fewest stamps whose scatter gives an error */
 static const double SCATTER_MAX = 0.5; /* a stamp's own error is a few percent */
 static const double SHARE_MIN = 0.5;
-static const double NARROW_PX = 1.0; /* R_PSF: galaxies have power at all wave numbers below */
-static const double NO_DIGITS = 0.1; /* of D that would be left */
+static const double NARROW_PX = 1.0; /* R_PSF below which galaxies have power at all wave numbers */
+static const double NO_DIGITS = 0.1; /* part of D that would be left */
 
 const char *sheard_advice_without_level(double effect, char *buf, size_t size) {
     if (1.0 + effect < NO_DIGITS)
@@ -29,7 +29,7 @@ static bool is_far(double level) {
     return level > LEVEL_FAR || level * LEVEL_FAR < 1.0;
 }
 
-/* The two noises' spectra differ, and it matters. */
+/* Return whether the two spectra of noise differ enough to matter. */
 static bool has_other_shape(const shear_result *r) {
     const double shape = fabs(r->noise_shape);
     return r->valid && !(r->n_eff < FEWEST) && shape > SHAPE_MIN &&

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is doubtful in a PSF, in words. */
+/* Warn of doubtful PSFs, in words. */
 #include "sheard/advice.h"
 
 #include "report/advice_say.h"
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* "3 of 64 PSFs looked at (the worst): " if there are several, then the words. */
+/* Write "3 of 64 PSFs looked at (the worst): ", if there are several, then the text. */
 static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
                        const char *format, ...) __attribute__((format(printf, 5, 6)));
 
@@ -31,7 +31,7 @@ static double percent(double part) {
     return 100.0 * part;
 }
 
-/* The estimates are good where they are small. */
+/* Describe a bias in words. The estimates are good if they are small. */
 static const char *how_much(double bias, char buf[32]) {
     if (bias > 0.05) {
         snprintf(buf, 32, "more than 5 %%");

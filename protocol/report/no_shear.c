@@ -61,7 +61,7 @@ bool sheard_one_outweighs(const shear_result *r) {
     return r->n_used > FEW && r->top_stamp >= 0 && r->top_share * r->top_share * r->n_eff > 0.5;
 }
 
-enum { LEAST_FOR_SYMMETRY = 16 }; /* shear/symmetry.h */
+enum { LEAST_FOR_SYMMETRY = 16 }; /* see shear/symmetry.h */
 
 static bool is_spoilt(const shear_result *r) {
     const bool by_sum = r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED ||

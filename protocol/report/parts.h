@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* report/parts.h: what several reports hold. Every json_t* is a new reference, NULL when memory is
- * out; it is null for a NULL argument. */
+/* report/parts.h: JSON objects that several reports contain. Every json_t* is a new reference, or
+ * NULL if out of memory; it is a JSON null for a NULL argument. */
 #ifndef PROTOCOL_REPORT_PARTS_H
 #define PROTOCOL_REPORT_PARTS_H
 
@@ -10,21 +10,21 @@
 
 #include <jansson.h>
 
-/* {"interpolation", "oversample", "beta_px", ...}: what the settings were resolved to */
+/* Make {"interpolation", "oversample", "beta_px", ...}: the resolved settings. */
 json_t *parts_plan(const shear_plan_info *plan);
-/* {"looked_at", "unusable", "flaws", ...} */
+/* Make {"looked_at", "unusable", "flaws", ...}. */
 json_t *parts_psf(const shear_psf_summary *psf);
-/* {"alpha", "alpha_err", "effect", "shape", "shape_err", "share"} */
+/* Make {"alpha", "alpha_err", "effect", "shape", "shape_err", "share"}. */
 json_t *parts_noise_level(const shear_result *r);
-/* {"n_eff", "top_share", "top_stamp", "top_file"} */
+/* Make {"n_eff", "top_share", "top_stamp", "top_file"}. */
 json_t *parts_influence(const shear_result *r, const char *top_file);
-/* The name of why there is no shear; null if there is one. */
+/* Make the name of the reason why there is no shear; null if there is one. */
 json_t *parts_no_shear(const shear_result *r);
-/* {"g1", "g2"} */
+/* Make {"g1", "g2"}. */
 json_t *parts_pair(double g1, double g2);
 
-/* A file's entry in a report. With `account`, also what its account keeps: the shape of its stamps
- * and what is known of its PSF. */
+/* Make a file's entry in a report. With `account`, also the shape of its stamps and the summary of
+ * its PSF. */
 json_t *parts_file(const sheard_report_file *file, bool account);
 
 #endif

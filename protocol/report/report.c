@@ -26,7 +26,7 @@ static json_t *pull(const sheard_report *report) {
                              : json_null();
 }
 
-/* null if the errors are the delta method's */
+/* Make the errors of the delta method; null if the result's errors are these already. */
 static json_t *delta_err(const shear_result *r) {
     return !r->valid || strcmp(shear_error_method(r), "delta") == 0
                ? json_null()

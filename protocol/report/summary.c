@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reports read back for people. */
+/* Read reports back, to be shown to people. */
 #include "sheard/report_summary.h"
 
 #include "base/text.h"
@@ -63,7 +63,7 @@ static void read_plan(sheard_report_summary *s, const json_t *plan) {
     text_of(plan, "noise_band", s->noise_band, sizeof s->noise_band);
 }
 
-/* The files of a field may differ in what their PSFs and galaxies decide. */
+/* Read the range of a resolved setting, as PSFs and galaxies of a field's files may differ. */
 static void read_range(const json_t *files, const char *key, double *from, double *to) {
     *to = *from;
     for (size_t i = 0; i < json_array_size(files); i++) {

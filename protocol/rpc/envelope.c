@@ -39,7 +39,8 @@ bool rpc_is_2_0(const json_t *root) {
     return version != NULL && strcmp(version, "2.0") == 0;
 }
 
-/* From a line that is not taken as a whole: the value of the one "id" of its outermost object. */
+/* Recover the id from a line that cannot be parsed: the value of the only "id" of its outermost
+ * object. */
 static void recover_id(sheard_rpc_id *id, const char *line, const rpc_scan *scan) {
     if (scan->n_ids != 1 || scan->id_end <= scan->id_at)
         return;

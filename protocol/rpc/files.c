@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Messages that are not lines: job files, sources as the store keeps them, the files beside inputs.
- */
+/* Read and write messages that are not lines: job files, sources for the store, and the report
+ * files beside inputs. */
 #include "message/table.h"
 #include "rpc/envelope.h"
 #include "rpc/submit.h"

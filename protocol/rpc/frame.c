@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A connection that is quiet keeps no more than this. */
+/* Bytes that an idle connection keeps. */
 enum { SMALL = 4096 };
 
 void sheard_frame_init(sheard_frame *f, size_t limit) {
@@ -34,8 +34,8 @@ static void reset(sheard_frame *f) {
     }
 }
 
-/* Doubling, so that a line that comes byte by byte costs no more than its length; never beyond the
- * limit. */
+/* Enlarge `kept` by doubling, up to the limit, so that a line that arrives byte by byte costs time
+ * in proportion to its length. */
 static enum sheard_frame_event reserve(sheard_frame *f, size_t n) {
     assert(n <= f->limit);
     if (n <= f->size)
@@ -50,8 +50,8 @@ static enum sheard_frame_event reserve(sheard_frame *f, size_t n) {
     return SHEARD_FRAME_MORE;
 }
 
-/* Is there something wrong with the line that goes on with these n bytes? The first wrong byte
- * counts, so that the answer does not depend on the pieces. */
+/* Return the fault of the line that continues with these n bytes, or SHEARD_FRAME_MORE. The first
+ * wrong byte decides, so that the result does not depend on the pieces. */
 static enum sheard_frame_event first_fault(const sheard_frame *f, const char *bytes, size_t n) {
     assert(f->used <= f->size && f->size <= f->limit);
     const size_t left = f->limit - f->used;
@@ -68,7 +68,7 @@ static enum sheard_frame_event append(sheard_frame *f, const char *bytes, size_t
     return event;
 }
 
-/* The n bytes end a line, which may have begun in `kept`. An empty line is no event. */
+/* End a line, which may begin in `kept`, with these n bytes. An empty line is not an event. */
 static enum sheard_frame_event end_line(sheard_frame *f, const char *bytes, size_t n,
                                         const char **line, size_t *length) {
     *line = bytes;
@@ -86,7 +86,7 @@ static enum sheard_frame_event end_line(sheard_frame *f, const char *bytes, size
     return *length > 0 ? SHEARD_FRAME_LINE : SHEARD_FRAME_MORE;
 }
 
-/* Add n bytes of one line, `ended` if its \n follows. */
+/* Add n bytes of one line; `ended` means that \n follows. */
 static enum sheard_frame_event add_bytes(sheard_frame *f, const char *bytes, size_t n, bool ended,
                                          const char **line, size_t *length) {
     if (f->skipping) {

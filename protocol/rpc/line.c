@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Messages to lines: requests of the client; replies, errors and notifications of the daemon. */
+/* Write messages as lines: requests of the client; replies, errors and notifications of the daemon.
+ */
 #include "rpc/envelope.h"
 #include "rpc/methods.h"
 
@@ -22,7 +23,7 @@ void sheard_params_init(sheard_params *params, int method) {
         msg_init(params, rpc_methods[method].params);
 }
 
-/* The daemon would say no: say it here. */
+/* Check the parameters as the daemon will. */
 static int check_as_daemon(int method, const json_t *params, sheard_rpc_error *error) {
     sheard_params parsed;
     const msg_table *table = rpc_methods[method].params;
@@ -32,7 +33,7 @@ static int check_as_daemon(int method, const json_t *params, sheard_rpc_error *e
     return code;
 }
 
-/* Escapes may make a line longer than its parameters are. */
+/* Check the length: escapes may make a line longer than its parameters are. */
 static int check_length(char **line, size_t *n, sheard_rpc_error *error) {
     const size_t length = *n - 1;
     if (length <= sheard_rpc_request_limits.line)
@@ -45,7 +46,7 @@ static int check_length(char **line, size_t *n, sheard_rpc_error *error) {
                            sheard_rpc_request_limits.line);
 }
 
-/* A line with the id and one member more; NULL is want of memory. */
+/* Write a line with the id and one more member; a NULL value means out of memory. */
 static int write_answer(char **line, size_t *n, const sheard_rpc_id *id, const char *key,
                         json_t *value, sheard_rpc_error *error) {
     json_t *answer =

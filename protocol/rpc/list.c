@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Replies whose list is made item by item. */
+/* Write replies whose list is written item by item. */
 #include "rpc/envelope.h"
 #include "rpc/methods.h"
 
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The list of a method's reply; NULL: it has none, and the error says so. */
+/* Return the list of a method's reply, or NULL with *error set if it has none. */
 static const msg_member *list_of(int method, sheard_rpc_error *error) {
     const msg_table *table =
         sheard_method_name(method) != NULL ? rpc_methods[method].reply : &msg_nothing;
@@ -27,8 +27,8 @@ int sheard_reply_item(char **text, size_t *n, int method, const void *item,
     return rpc_write_text(text, n, object, 0, "", error);
 }
 
-/* The items go into the brackets of the empty list. These bytes stand nowhere else before it: in a
- * string, quotes are written with a backslash. */
+/* Insert the items between the brackets of the empty list. Its bytes do not occur before it: within
+ * a string, quotes are escaped. */
 static int splice(char **line, size_t *n, const char *member, const char *items, size_t n_items,
                   sheard_rpc_error *error) {
     char empty[80];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The client reads what the daemon says. */
+/* Parse the daemon's lines, for clients. */
 #include "base/text.h"
 #include "rpc/envelope.h"
 #include "rpc/methods.h"
@@ -27,13 +27,13 @@ static int read_error(sheard_rpc_error *said, const json_t *value, sheard_rpc_er
     text_set(said->advice, sizeof said->advice, json_text_string_at(data, "advice"));
     text_set(said->message, sizeof said->message, json_text_string_at(value, "message"));
     said->code = sheard_rpc_code_find(said->name);
-    if (said->code == SHEARD_RPC_OK) { /* an error all the same */
+    if (said->code == SHEARD_RPC_OK) { /* it is an error in any case */
         said->code = SHEARD_RPC_UNKNOWN;
     }
     return SHEARD_RPC_OK;
 }
 
-/* A notification that this version does not know is no error. */
+/* Read a notification. One that this version does not have is not an error. */
 static int read_notice(sheard_message *m, const json_t *root, sheard_rpc_error *error) {
     const char *name = json_text_string_at(root, "method");
     m->kind = SHEARD_MESSAGE_NOTICE;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* rpc/methods.h: what each method and notification is made of: SHEARD_METHODS and SHEARD_NOTICES of
- * sheard/rpc.h as tables. */
+/* rpc/methods.h: the methods and notifications with the tables of their messages, from
+ * SHEARD_METHODS and SHEARD_NOTICES of sheard/rpc.h. */
 #ifndef PROTOCOL_RPC_METHODS_H
 #define PROTOCOL_RPC_METHODS_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The daemon reads a request. */
+/* Parse a request, for the daemon. */
 #include "rpc/envelope.h"
 #include "rpc/methods.h"
 #include "rpc/submit.h"
@@ -74,7 +74,7 @@ static int read_params(sheard_params *params, enum sheard_method method, const j
                : msg_read(params, rpc_methods[method].params, given, MSG_STRICT, error);
 }
 
-/* The id comes first, so that what is wrong with the rest is answered under it. */
+/* Read the request. The id is read first, so that errors in the rest are reported with it. */
 static int read_request(sheard_request *request, json_t *root, const shear_settings *defaults,
                         sheard_rpc_error *error) {
     enum sheard_method method = SHEARD_METHOD_NONE;

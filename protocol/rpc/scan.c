@@ -11,13 +11,13 @@ const sheard_rpc_limits sheard_rpc_reply_limits = {
 
 typedef struct scanner {
     const char *line;
-    size_t at; /* the present byte */
+    size_t at; /* the current byte */
     int depth, deepest;
-    size_t values;  /* separators and openings: no fewer than there are members and elements */
-    size_t longest; /* string so far */
+    size_t values;  /* separators and openings: at least the number of members and elements */
+    size_t longest; /* longest string so far */
     bool in_string, escaped;
     size_t text_at;    /* first byte of the last string */
-    bool key, strange; /* the last string was the outermost object's: "id"; with an escape in it */
+    bool key, strange; /* the last string of the outermost object is "id"; contains an escape */
     bool id_open;      /* the id's value has begun */
 } scanner;
 
@@ -48,7 +48,7 @@ static void end_id(scanner *s, rpc_scan *scan) {
     }
 }
 
-/* A name written with escapes may be "id", too: then the id is not known. */
+/* Count the names "id". A name with an escape may be "id", too: then the id is unknown. */
 static void colon(scanner *s, rpc_scan *scan) {
     s->values++;
     if (s->depth == 1 && s->strange) {

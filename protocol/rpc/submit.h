@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* rpc/submit.h: the parameters of submit, which are also a job file. */
+/* rpc/submit.h: read the parameters of submit, which are also the content of a job file. */
 #ifndef PROTOCOL_RPC_SUBMIT_H
 #define PROTOCOL_RPC_SUBMIT_H
 
@@ -7,8 +7,8 @@
 
 #include <jansson.h>
 
-/* `params` (NULL: none) with its settings checked upon `defaults` (NULL: shear_settings_init). On
- * an error *submit is empty. */
+/* Read `params` (NULL: none) and check its settings together with `defaults` (NULL:
+ * shear_settings_init). On an error *submit is empty. */
 int submit_read(sheard_msg_submit *submit, const json_t *params, const shear_settings *defaults,
                 sheard_rpc_error *error);
 

@@ -6,18 +6,18 @@
 #include "shear/error.h"
 
 enum sheard_check_level { SHEARD_CHECK_OK = 0, SHEARD_CHECK_WARN, SHEARD_CHECK_FAIL };
-/* "ok", "warn", "fail" */
+/* Return "ok", "warn" or "fail". */
 const char *sheard_check_level_name(enum sheard_check_level level);
 
 typedef struct sheard_check_result {
     const char *subject; /* "socket" */
     enum sheard_check_level level;
     const char *message;
-    const char *remedy; /* "" if there is nothing to do */
+    const char *remedy; /* "" if there is none */
 } sheard_check_result;
 
-/* {"subject", "level", "message", "remedy"} on one line; *text is malloc'd and the caller's to
- * free. SHEAR_E_NOMEM. */
+/* Write {"subject", "level", "message", "remedy"} on one line. *text is from malloc; the caller
+ * frees it. Return SHEAR_OK or SHEAR_E_NOMEM. */
 int sheard_check_result_json(char **text, const sheard_check_result *result, shear_error *err);
 
 #endif

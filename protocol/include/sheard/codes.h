@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard/codes.h: the errors of the service. Their one table is in message/codes.c; names, numbers
- * and meanings never change, and docs/protocol.md lists them. */
+/* sheard/codes.h: the error codes of the service, in one table. Names, numbers and meanings never
+ * change; docs/protocol.md lists them. */
 #ifndef SHEARD_CODES_H
 #define SHEARD_CODES_H
 
@@ -9,8 +9,8 @@
 
 #include <stdbool.h>
 
-/* Every code: its number SHEARD_RPC_X, its name, JSON-RPC's number, may a client try again, the
- * class (enum sheard_job_class) of a job that fails with it, advice. */
+/* All codes: the name of SHEARD_RPC_X, the code's name, JSON-RPC's number, whether a client may try
+ * again, the class (enum sheard_job_class) of a job that fails with it, and advice. */
 #define SHEARD_RPC_CODES(CODE)                                                                     \
     CODE(OK, ok, 0, false, NONE, "")                                                               \
     /* the line or the request is wrong */                                                         \
@@ -42,7 +42,7 @@
          "give the cursor of the page before, unchanged, with the same filter")                    \
     CODE(UNSUPPORTED_VERSION, unsupported_version, -32009, false, NONE,                            \
          "use a client and a service of the same release")                                         \
-    /* the service cannot take it now */                                                           \
+    /* the service cannot accept it now */                                                         \
     CODE(QUEUE_FULL, queue_full, -32010, true, NONE,                                               \
          "submit again when jobs have finished, or raise the queue's limit")                       \
     CODE(DRAINING, draining, -32011, true, NONE,                                                   \
@@ -75,7 +75,7 @@
          "leave the priority out, or ask an administrator for more")                               \
     CODE(ROOT_MISSING, root_missing, -32025, true, TRANSIENT,                                      \
          "mount the data root, or make it; accepted jobs wait for it")                             \
-    /* not there, or not in that state */                                                          \
+    /* it does not exist, or is not in that state */                                               \
     CODE(NO_SUCH_FILE, no_such_file, -32030, false, DATA, "check the path")                        \
     CODE(NOT_REGULAR, not_regular, -32031, false, DATA,                                            \
          "name a file, not a directory, pipe, device or symbolic link")                            \
@@ -111,7 +111,7 @@
     CODE(MEMORY_BUDGET, memory_budget, -32063, false, DATA,                                        \
          "cut smaller stamps, oversample less, or have [limits] memory raised")                    \
     CODE(INTERNAL, internal, -32603, false, BUG, "please report this bug")                         \
-    /* seen by clients only */                                                                     \
+    /* set by clients only */                                                                      \
     CODE(BAD_REPLY, bad_reply, -32098, false, NONE,                                                \
          "use a client and a service of the same release")                                         \
     CODE(UNKNOWN, unknown, -32099, false, NONE, "use a client and a service of the same release")
@@ -131,11 +131,11 @@ typedef struct sheard_rpc_code_info {
     const char *advice;
 } sheard_rpc_code_info;
 
-/* The entry of the table; that of SHEARD_RPC_UNKNOWN for any other number. Never NULL. */
+/* Return the entry of a code, or that of SHEARD_RPC_UNKNOWN for any other number. Never NULL. */
 const sheard_rpc_code_info *sheard_rpc_code_get(int code);
-/* By name; SHEARD_RPC_UNKNOWN if there is none. */
+/* Return the code of that name, or SHEARD_RPC_UNKNOWN if there is none. */
 int sheard_rpc_code_find(const char *name);
-/* For an enum shear_code of libshear, except SHEAR_OK, which is SHEARD_RPC_OK. */
+/* Return the code for an enum shear_code of libshear. SHEAR_OK gives SHEARD_RPC_OK. */
 int sheard_rpc_code_from_core(int core_code);
 
 enum { SHEARD_RPC_NAME_SIZE = 48, SHEARD_RPC_PARAMETER_SIZE = 96 };
@@ -143,21 +143,21 @@ enum { SHEARD_RPC_NAME_SIZE = 48, SHEARD_RPC_PARAMETER_SIZE = 96 };
 typedef struct sheard_rpc_error {
     int code;                                  /* enum sheard_rpc_code */
     int number;                                /* JSON-RPC's */
-    bool retry;                                /* may succeed later */
-    char name[SHEARD_RPC_NAME_SIZE];           /* the stable code as text */
+    bool retry;                                /* the same request may succeed later */
+    char name[SHEARD_RPC_NAME_SIZE];           /* the code's name */
     char parameter[SHEARD_RPC_PARAMETER_SIZE]; /* "galaxy.hdu", "ids[3]", "settings.beta"; or "" */
     char message[480];
     char advice[240];
 } sheard_rpc_error;
 
-/* Fill *error from the table and return `code`. `advice` NULL: the table's. */
+/* Fill *error from the table and return `code`. If `advice` is NULL, the table's is used. */
 int sheard_rpc_fail(sheard_rpc_error *error, int code, const char *advice, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* The same with the parameter that is wrong: "'PARAMETER': MESSAGE". */
+/* The same, with the name of the wrong parameter. The message is "'PARAMETER': MESSAGE". */
 int sheard_rpc_fail_parameter(sheard_rpc_error *error, int code, const char *parameter,
                               const char *advice, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
-/* The same from an error of libshear. */
+/* The same, from an error of libshear. */
 int sheard_rpc_fail_core(sheard_rpc_error *error, const shear_error *core);
 
 #endif

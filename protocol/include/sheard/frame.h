@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard/frame.h: a stream of bytes into lines (docs/protocol.md, "Framing").
+/* sheard/frame.h: split a stream of bytes into lines (docs/protocol.md, "Framing").
  *
- * A line ends with \n; a \r before it is not part of the line; empty lines are not given. What
- * lines come out does not depend on how the bytes were cut into pieces. A line longer than the
- * limit, or with a NUL byte in it, is reported once, at its first byte that is wrong, and skipped
- * to its end: the stream goes on with the next line. At no time is more memory held than the limit
- * (and nothing for lines that arrive in one piece).
- */
+ * A line ends with \n; a \r before it is not part of the line; empty lines are skipped. The lines
+ * do not depend on how the bytes were split into pieces. A line longer than the limit, or with a
+ * NUL byte, is reported once, at its first wrong byte, and skipped to its end: the stream continues
+ * with the next line. Memory is allocated only for lines that arrive in several pieces, and never
+ * more than the limit. */
 #ifndef SHEARD_FRAME_H
 #define SHEARD_FRAME_H
 
@@ -22,24 +21,25 @@ enum sheard_frame_event {
 };
 
 typedef struct sheard_frame {
-    size_t limit; /* longest line, bytes without its \n */
-    char *kept;   /* [size] the beginning of a line whose end is to come */
+    size_t limit; /* longest line in bytes, without its \n */
+    char *kept;   /* [size] the beginning of an incomplete line */
     size_t used, size;
-    bool skipping;  /* the rest of the present line is thrown away */
-    bool delivered; /* `kept` was given as a line and is free again */
+    bool skipping;  /* the rest of the current line is skipped */
+    bool delivered; /* `kept` has been returned as a line, and may be reused */
 } sheard_frame;
 
-/* `limit` is at least 1. Nothing is allocated. */
+/* Initialize; `limit` is at least 1. Nothing is allocated. */
 void sheard_frame_init(sheard_frame *f, size_t limit);
-void sheard_frame_deinit(sheard_frame *f); /* zeroed or deinited: fine */
+void sheard_frame_deinit(sheard_frame *f); /* a zeroed or deinited struct is accepted */
 
-/* Take bytes from *input (*n of them; both move on) up to the next event, which is returned. Call
- * again until SHEARD_FRAME_MORE; a caller may also stop in between and go on later with the rest.
- * *line is valid until the next call and as long as the input; it has no NUL at its end. */
+/* Take bytes from *input (*n of them; both are advanced) up to the next event, and return it. Call
+ * it again until SHEARD_FRAME_MORE; a caller may also continue with the rest later. *line is valid
+ * until the next call and as long as the input. It is not terminated. */
 enum sheard_frame_event sheard_frame_next(sheard_frame *f, const char **input, size_t *n,
                                           const char **line, size_t *length);
 
-/* Bytes held of a line that has not ended: not 0 at the end of a stream that was cut off. */
+/* Return the bytes held of an incomplete line. At the end of a stream, not 0 means that the last
+ * line is incomplete. */
 size_t sheard_frame_pending(const sheard_frame *f);
 
 #endif

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard/messages.h: what the daemon and its clients say to each other, as plain structs.
- * docs/protocol.md is the meaning of every member; sheard/rpc.h makes lines of them and back.
+/* sheard/messages.h: the messages between the daemon and its clients, as plain structs.
+ * docs/protocol.md defines every member; sheard/rpc.h converts them to lines and back.
  *
- * Ownership: a struct filled by a parse function owns its texts and lists until the deinit of what
- * it is part of. A struct that is to be written may point at anything: only deinit what was parsed.
- * Absent (null in JSON): texts NULL, numbers NaN, times 0, and what a comment says.
- * Times are milliseconds since 1970, UTC; in JSON "2026-01-31T12:00:00.000Z".
- */
+ * Ownership: a struct filled by a parse function owns its texts and lists until the message that it
+ * is part of is deinited. A struct to be written may point at anything; deinit only what was
+ * parsed.
+ *
+ * Absent members (null in JSON) are NULL for texts, NaN for numbers, 0 for times, or as a comment
+ * says. Times are milliseconds since 1970, UTC; in JSON "2026-01-31T12:00:00.000Z". */
 #ifndef SHEARD_MESSAGES_H
 #define SHEARD_MESSAGES_H
 
@@ -20,7 +21,7 @@
 
 enum { SHEARD_PROTOCOL_VERSION = 1, SHEARD_PROTOCOL_OLDEST = 1 };
 
-/* Longest texts (bytes) and lists (elements) of a request. */
+/* Limits of a request: longest texts in bytes, longest lists in elements, and ranges. */
 enum {
     SHEARD_MSG_PATH_MAX = 4095,
     SHEARD_MSG_FIELD_MAX = 71,
@@ -39,8 +40,8 @@ enum {
     SHEARD_MSG_SETTINGS_SIZE = 2048 /* canonical settings, with the NUL */
 };
 
-/* The numbers of these enums are also those of the store. X_UNKNOWN is a name that this version
- * does not know, said by a newer service. */
+/* The store uses the values of these enums, too. X_UNKNOWN stands for a name of a newer service
+ * that this version does not have. */
 enum sheard_job_state {
     SHEARD_JOB_UNKNOWN = -1,
     SHEARD_JOB_QUEUED = 0,
@@ -59,7 +60,7 @@ enum sheard_job_class {
     SHEARD_CLASS_DATA = 2,
     SHEARD_CLASS_BUG = 3
 };
-/* What a running job is at. */
+/* What a running job is doing. */
 enum sheard_job_phase {
     SHEARD_PHASE_UNKNOWN = -1,
     SHEARD_PHASE_NONE,
@@ -103,8 +104,8 @@ enum sheard_shutdown_mode {
     SHEARD_SHUTDOWN_NOW
 };
 
-/* The name in JSON; "" for the one that is null there, "unknown" for any other number. Never NULL.
- */
+/* Return the name in JSON: "" for the value that is null there, "unknown" for any other number.
+ * Never NULL. */
 const char *sheard_job_state_name(int state);
 const char *sheard_job_class_name(int job_class);
 const char *sheard_job_outcome_name(int outcome);
@@ -112,42 +113,42 @@ const char *sheard_job_phase_name(int phase);
 const char *sheard_job_origin_name(int origin);
 const char *sheard_attempt_outcome_name(int outcome);
 const char *sheard_server_state_name(int state);
-/* done, failed, cancelled or retracted */
+/* Return whether the state is done, failed, cancelled or retracted. */
 bool sheard_job_state_is_final(int state);
 
 /* ---- What a job reads ---- */
 
 typedef struct sheard_msg_image {
     const char *path;    /* NULL: no such part */
-    int64_t hdu;         /* from 0; -1: by its name, or the default */
-    const char *extname; /* NULL: by its number, or the default */
+    int64_t hdu;         /* from 0; -1: given by name, or the default */
+    const char *extname; /* NULL: given by number, or the default */
 } sheard_msg_image;
 
-/* Either a field file, or all three images, with or without a catalog. */
+/* The files of a job: either one field file, or the three images, with or without a catalog. */
 typedef struct sheard_msg_source {
     const char *path;
     sheard_msg_image galaxy, noise, psf, catalog;
 } sheard_msg_source;
 
-/* The same as the library has it; the texts stay the source's. */
+/* Convert to the library's struct. The strings stay the source's. */
 shear_input sheard_source_input(const sheard_msg_source *source);
 
 /* ---- Requests ---- */
 
-/* Of methods without parameters. */
+/* The parameters of methods without any. */
 typedef struct sheard_msg_nothing {
     char unused;
 } sheard_msg_nothing;
 
 typedef struct sheard_msg_hello {
-    int64_t oldest, newest; /* protocol versions that the client speaks; both 1 where not given */
+    int64_t oldest, newest; /* protocol versions that the client supports; both 1 if absent */
     const char *client;     /* "shearctl 0.1.0"; may be NULL */
 } sheard_msg_hello;
 
 typedef struct sheard_msg_submit {
     sheard_msg_source source;
     const char *settings; /* those that are given, canonical (see below); NULL: none */
-    const char *field;    /* NULL: as the file says */
+    const char *field;    /* NULL: the file's own */
     int64_t priority;     /* -100..100 */
     const char *key;      /* idempotency key; NULL: none */
     bool force, wait;
@@ -158,7 +159,7 @@ typedef struct sheard_msg_id {
 } sheard_msg_id;
 
 typedef struct sheard_msg_jobs {
-    unsigned states;    /* 1u << SHEARD_JOB_FAILED and so on, or'ed; 0: all */
+    unsigned states;    /* set of 1u << SHEARD_JOB_FAILED etc.; 0: all */
     const char *field;  /* NULL: all */
     int64_t owner;      /* uid; -1: all */
     const char *cursor; /* NULL: from the newest */
@@ -173,14 +174,14 @@ typedef struct sheard_msg_wait {
 
 typedef struct sheard_msg_field {
     const char *field;
-    const char *digest; /* of the settings; NULL: all */
-    int64_t after;      /* contribution to go on after; 0: from the first */
-    int64_t limit;      /* contributions listed for each row; 0: none */
+    const char *digest; /* digest of the settings; NULL: all */
+    int64_t after;      /* the contribution before the first one listed; 0: none */
+    int64_t limit;      /* most contributions listed per row; 0: none */
 } sheard_msg_field;
 
 typedef struct sheard_msg_forget {
     const char *field;
-    const char *digest; /* of the settings; NULL: all */
+    const char *digest; /* digest of the settings; NULL: all */
 } sheard_msg_forget;
 
 typedef struct sheard_msg_fields {
@@ -189,14 +190,15 @@ typedef struct sheard_msg_fields {
     int64_t limit;
 } sheard_msg_fields;
 
-/* Of subscribe: what to add. Of unsubscribe: what to take away; nothing named means everything. */
+/* The subscriptions to add (subscribe) or to remove (unsubscribe). For unsubscribe, nothing named
+ * means everything. */
 typedef struct sheard_msg_subscribe {
     const int64_t *jobs; /* [n_jobs] */
     size_t n_jobs;
     const char *const *fields; /* [n_fields] */
     size_t n_fields;
     bool all;      /* every job and every field */
-    bool progress; /* of subscribe: job_progress, too */
+    bool progress; /* also job_progress; only for subscribe */
 } sheard_msg_subscribe;
 typedef sheard_msg_subscribe sheard_msg_unsubscribe;
 
@@ -215,10 +217,10 @@ typedef struct sheard_msg_limits {
 } sheard_msg_limits;
 
 typedef struct sheard_msg_welcome {
-    int64_t protocol; /* the version that both speak from now on */
+    int64_t protocol; /* the version that both use from now on */
     int64_t oldest, newest;
     const char *server; /* "sheard 0.1.0" */
-    int64_t uid;        /* of the peer, as the kernel says */
+    int64_t uid;        /* of the client, as the kernel reports it */
     bool admin;
     const char *const *methods; /* [n_methods] */
     size_t n_methods;
@@ -226,30 +228,30 @@ typedef struct sheard_msg_welcome {
 } sheard_msg_welcome;
 
 typedef struct sheard_msg_progress {
-    int64_t done, total; /* stamps; total -1: not known yet */
+    int64_t done, total; /* stamps; total is -1 while unknown */
     double rate;         /* stamps per second */
     double eta_s;
     enum sheard_job_phase phase;     /* of a running job */
-    int64_t bytes_done, bytes_total; /* of its files, while they are hashed; else -1 */
+    int64_t bytes_done, bytes_total; /* bytes of its files while they are hashed, else -1 */
 } sheard_msg_progress;
 
 typedef struct sheard_msg_job {
     int64_t id;
     enum sheard_job_state state;
-    enum sheard_job_class job_class; /* "class", of the last failure */
-    const char *code;                /* the last failure's, its message and advice */
+    enum sheard_job_class job_class; /* JSON key "class": of the last failure */
+    const char *code;                /* code of the last failure, with its message and advice */
     const char *message, *advice;
     const char *field;
     sheard_msg_source source;
     int64_t owner;    /* uid */
-    const char *user; /* its name */
+    const char *user; /* the owner's name */
     enum sheard_job_origin origin;
     int64_t priority;
     bool force;
     const char *key;
     bool cancel_asked;
     int64_t created_ms, started_ms, finished_ms;
-    int64_t not_before_ms; /* of a waiting job */
+    int64_t not_before_ms; /* of a waiting job: time of the next attempt */
     int64_t attempts;
     sheard_msg_progress progress;
     enum sheard_job_outcome outcome;
@@ -257,21 +259,21 @@ typedef struct sheard_msg_job {
     const char *settings; /* canonical */
     const char *digest;   /* of the settings */
     const char *checksum; /* of the content */
-    const char *result;   /* a JSON object as sheard_report_json writes it */
+    const char *result;   /* a JSON object of sheard_report_json */
     const char *catalog;
-    const char *dropped_name; /* of a file of the watch folder (also a job file); NULL: none was */
-    const char *file_now;     /* where that file is; NULL: nowhere any more, or none was */
+    const char *dropped_name; /* file name of a dropped file or job file; NULL: not dropped */
+    const char *file_now;     /* current path of that file; NULL: gone, or none */
 } sheard_msg_job;
 
 typedef struct sheard_msg_attempt {
     int64_t number; /* from 1 */
     int64_t started_ms, ended_ms;
-    enum sheard_attempt_outcome outcome; /* "ending" */
+    enum sheard_attempt_outcome outcome; /* JSON key "ending" */
     enum sheard_job_class job_class;
     const char *code, *message;
 } sheard_msg_attempt;
 
-typedef struct sheard_msg_shown { /* of job */
+typedef struct sheard_msg_shown { /* reply to `job` */
     sheard_msg_job job;
     const sheard_msg_attempt *history; /* [n_history] oldest first */
     size_t n_history;
@@ -279,17 +281,17 @@ typedef struct sheard_msg_shown { /* of job */
 
 typedef struct sheard_msg_submitted {
     sheard_msg_job job;
-    bool known; /* the idempotency key had been seen: this is that job */
+    bool known; /* the idempotency key exists: this is its job */
 } sheard_msg_submitted;
 
 typedef struct sheard_msg_job_page {
     const sheard_msg_job *jobs; /* [n_jobs] newest first, without results */
     size_t n_jobs;
-    const char *cursor; /* of the next page; NULL: this is the last */
+    const char *cursor; /* for the next page; NULL: this is the last */
 } sheard_msg_job_page;
 
 typedef struct sheard_msg_waited {
-    const sheard_msg_job *jobs; /* [n_jobs] in the order asked for */
+    const sheard_msg_job *jobs; /* [n_jobs] in the order of the request */
     size_t n_jobs;
     bool timed_out;
 } sheard_msg_waited;
@@ -301,38 +303,38 @@ typedef struct sheard_msg_contribution {
     int64_t counted_ms;
 } sheard_msg_contribution;
 
-/* Whose contribution keeps a field from being measured. */
+/* The contribution that prevents a field's result. */
 typedef struct sheard_msg_culprit {
     int64_t job, contribution;
-    const char *file, *checksum; /* file: NULL if the job is forgotten */
+    const char *file, *checksum; /* file: NULL if the job has been deleted */
 } sheard_msg_culprit;
 
-/* A field as measured with one set of settings: all keys of `report`, and these. */
+/* A field measured with one set of settings: the keys of `report`, and these. */
 typedef struct sheard_msg_field_row {
-    const char *report; /* a JSON object as sheard_report_json writes it */
+    const char *report; /* a JSON object of sheard_report_json */
     const char *digest;
-    int64_t jobs;           /* counted */
-    int64_t unfinished;     /* known to belong here */
-    bool partial;           /* more is to come */
-    const int64_t *running; /* [n_running] jobs; not more than SHEARD_MSG_LIST_MAX */
+    int64_t jobs;           /* counted jobs */
+    int64_t unfinished;     /* unfinished jobs of this field */
+    bool partial;           /* more jobs will be counted */
+    const int64_t *running; /* [n_running] running jobs; at most SHEARD_MSG_LIST_MAX */
     size_t n_running;
-    int64_t files_left_out; /* counted, but not in the report's list of files */
+    int64_t files_left_out; /* counted files missing in the report's list */
     int64_t updated_ms;
     const sheard_msg_contribution *contributions; /* [n_contributions] */
     size_t n_contributions;
-    bool more;                  /* contributions follow */
-    const char *reason;         /* why it has no result; NULL if it has one */
+    bool more;                  /* there are further contributions */
+    const char *reason;         /* reason why it has no result; NULL if it has one */
     sheard_msg_culprit culprit; /* job 0: none in particular */
 } sheard_msg_field_row;
 
 typedef struct sheard_msg_field_result {
     const char *field;
-    bool mixed;                       /* there are rows of different settings */
+    bool mixed;                       /* the rows have different settings */
     const sheard_msg_field_row *rows; /* [n_rows] */
     size_t n_rows;
 } sheard_msg_field_result;
 
-/* A line of the list of fields. */
+/* An entry in the list of fields. */
 typedef struct sheard_msg_summary {
     const char *field, *digest;
     double g1, g1_err, g2, g2_err;
@@ -345,7 +347,7 @@ typedef struct sheard_msg_summary {
 
 typedef struct sheard_msg_forgotten {
     const char *field;
-    int64_t rows, contributions, jobs; /* jobs: retracted now; others were forgotten before */
+    int64_t rows, contributions, jobs; /* jobs: retracted by this call */
 } sheard_msg_forgotten;
 
 typedef struct sheard_msg_field_page {
@@ -355,7 +357,7 @@ typedef struct sheard_msg_field_page {
 } sheard_msg_field_page;
 
 typedef struct sheard_msg_subscribed {
-    int64_t jobs, fields; /* that are watched now */
+    int64_t jobs, fields; /* watched now */
     bool all;
 } sheard_msg_subscribed;
 
@@ -363,19 +365,19 @@ typedef struct sheard_msg_states {
     int64_t queued, running, waiting, done, failed, cancelled, retracted;
 } sheard_msg_states;
 
-typedef struct sheard_msg_totals { /* since the state was made */
+typedef struct sheard_msg_totals { /* since the service's state was created */
     int64_t submitted, counted, duplicates, failed, cancelled;
     int64_t stamps, fields;
-    int64_t retracted; /* contributions, of the counted ones */
+    int64_t retracted; /* of the counted contributions */
 } sheard_msg_totals;
 
-typedef struct sheard_msg_rates { /* of the last minute */
+typedef struct sheard_msg_rates { /* over the last minute */
     double stamps_per_s, jobs_per_s;
 } sheard_msg_rates;
 
 typedef struct sheard_msg_loop {
     double longest_ms, longest_minute_ms; /* turn, in processor time: since the start, lately */
-    int64_t unsent_bytes, dropped;        /* memory of what is not read; clients that did not */
+    int64_t unsent_bytes, dropped;        /* memory of unsent replies; clients that did not read */
 } sheard_msg_loop;
 
 typedef struct sheard_msg_workers {
@@ -384,17 +386,17 @@ typedef struct sheard_msg_workers {
 
 typedef struct sheard_msg_queue {
     int64_t length, capacity; /* unfinished jobs */
-    int64_t blocks;           /* of the running jobs: not yet measured */
+    int64_t blocks;           /* unmeasured blocks of the running jobs */
 } sheard_msg_queue;
 
 typedef struct sheard_msg_plans {
-    int64_t kept, bytes;  /* in memory now, with those in use */
-    int64_t hits, misses; /* jobs since the start that found theirs, and that did not */
+    int64_t kept, bytes;  /* in memory now, including plans in use */
+    int64_t hits, misses; /* jobs since the start that found a plan, and that did not */
 } sheard_msg_plans;
 
 typedef struct sheard_msg_memory {
     int64_t budget, used; /* bytes, of jobs and plans */
-    int64_t waiting;      /* running jobs that wait for some */
+    int64_t waiting;      /* running jobs that wait for memory */
 } sheard_msg_memory;
 
 typedef struct sheard_msg_ignored {
@@ -406,14 +408,14 @@ typedef struct sheard_msg_spool {
     bool watching;
     int64_t incoming, active, done, failed; /* files */
     int64_t free_bytes;
-    int64_t ignored;                      /* files that are left lying in incoming/ */
+    int64_t ignored;                      /* files of incoming/ that are not taken */
     const sheard_msg_ignored *left_lying; /* [n_left_lying] the first of them */
     size_t n_left_lying;
 } sheard_msg_spool;
 
 typedef struct sheard_msg_log {
-    int64_t lost;          /* lines since the start */
-    int64_t waiting_bytes; /* not yet read by whoever reads the log */
+    int64_t lost;          /* lines lost since the start */
+    int64_t waiting_bytes; /* not read yet */
 } sheard_msg_log;
 
 /* A directory that the service writes to. */
@@ -421,19 +423,19 @@ typedef struct sheard_msg_disk {
     const char *use; /* "state", "spool", "catalogues", "scratch" */
     const char *path;
     int64_t free_bytes, bytes;
-    const char *same_as; /* the use of one before that is on the same disk; or NULL */
+    const char *same_as; /* `use` of an earlier disk that is the same; or NULL */
     const char *problem; /* why it cannot be written to; or NULL */
 } sheard_msg_disk;
 
-/* What an operator should look at. */
+/* A problem that an operator should look at. */
 typedef struct sheard_msg_problem {
     const char *about;       /* "jobs", "store", "spool", "incoming", "disk", "log", "root" */
-    const char *code;        /* stable */
-    const char *message;     /* as in the list of lines */
-    int64_t since_ms;        /* 0: not known */
+    const char *code;        /* never changes */
+    const char *message;     /* as in sheard_msg_status.problems */
+    int64_t since_ms;        /* 0: unknown */
     int64_t count;           /* jobs, files, lines, failures */
-    int64_t attempts;        /* of the waiting job with the most; 0: of no job */
-    int64_t next_attempt_ms; /* 0: none, or not known */
+    int64_t attempts;        /* most attempts of a waiting job; 0: no job */
+    int64_t next_attempt_ms; /* 0: none, or unknown */
 } sheard_msg_problem;
 
 typedef struct sheard_msg_store {
@@ -442,10 +444,10 @@ typedef struct sheard_msg_store {
     int64_t commits; /* since the start */
 } sheard_msg_store;
 
-typedef struct sheard_msg_root { /* a data root, as the service sees it */
+typedef struct sheard_msg_root { /* a data root, as the service finds it */
     const char *path;
     bool missing;
-    const char *reason; /* why it is missing; NULL: it is there */
+    const char *reason; /* why it is missing; NULL: it is not */
 } sheard_msg_root;
 
 typedef struct sheard_msg_status {
@@ -466,9 +468,9 @@ typedef struct sheard_msg_status {
     sheard_msg_spool spool;
     sheard_msg_store store;
     const char *config, *state_dir;
-    const char *catalogs; /* directory; NULL: none are written */
-    const char *user;     /* that the service runs as */
-    bool activated;       /* the socket is systemd's, and starts the service when a client comes */
+    const char *catalogs;         /* directory; NULL: none are written */
+    const char *user;             /* user that the service runs as */
+    bool activated;               /* systemd owns the socket, and starts the service for a client */
     const sheard_msg_root *roots; /* [n_roots] */
     size_t n_roots;
     sheard_msg_limits limits;
@@ -486,29 +488,28 @@ typedef struct sheard_msg_metrics {
 } sheard_msg_metrics;
 
 typedef struct sheard_msg_probed {
-    bool ok;                             /* a tiny field was measured, and its shear is right */
-    const char *code, *message, *advice; /* why not */
+    bool ok;                             /* a tiny field was measured, with the right shear */
+    const char *code, *message, *advice; /* if not ok */
     double g1, g1_err, g2, g2_err;       /* NaN: not measured */
     double true_g1, true_g2;
     int64_t stamps;
     double seconds;
-    bool landlock;   /* the file system was closed to its reader */
-    bool namespaces; /* ... which saw no other process */
+    bool landlock;   /* Landlock denied its reader all files */
+    bool namespaces; /* ... and namespaces hid other processes from it */
 } sheard_msg_probed;
 
 typedef struct sheard_msg_reloaded {
-    const char *const *changed; /* [n_changed] settings that are in force now */
+    const char *const *changed; /* [n_changed] settings in force now */
     size_t n_changed;
     const char *const *restart; /* [n_restart] settings that need a restart */
     size_t n_restart;
-    const char *const *warnings; /* [n_warnings] what will not work as it is now */
+    const char *const *warnings; /* [n_warnings] what will not work as configured now */
     size_t n_warnings;
 } sheard_msg_reloaded;
 
-typedef struct sheard_msg_stopping { /* of drain and shutdown; and of the notification server_state
-                                      */
+typedef struct sheard_msg_stopping { /* reply to drain and shutdown, and server_state */
     enum sheard_server_state state;
-    int64_t running, queued; /* jobs that are still to be finished; that wait for later */
+    int64_t running, queued; /* jobs that will still be finished; jobs that stay queued */
 } sheard_msg_stopping;
 
 /* ---- Notifications ---- */
@@ -534,31 +535,32 @@ typedef struct sheard_msg_lost {
 
 typedef struct sheard_msg_side {
     const char *file;            /* the input's name when it was dropped */
-    enum sheard_job_state state; /* a final one */
-    const char *code;            /* why it failed; NULL for done */
+    enum sheard_job_state state; /* a final state */
+    const char *code;            /* why it failed; NULL if done */
     const char *message, *advice;
     int64_t written_ms;
     const char *version; /* of the service */
-    sheard_msg_job job;  /* id 0: it never became a job */
+    sheard_msg_job job;  /* id 0: it did not become a job */
 } sheard_msg_side;
 
 /* ---- Settings as text ---- */
 
-/* Canonical settings: "NAME=VALUE\n" for each, in the order of the table (shear_settings_table),
- * names and values as the table and shear_settings_format write them: equal settings have equal
- * text. A part of the settings (those that a submit gives) is written in the same way.
+/* Canonical settings are a line "NAME=VALUE\n" for each setting, in the order of
+ * shear_settings_table, with names and values as in the table and shear_settings_format. So equal
+ * settings have equal text. A part of the settings (those that a submit gives) is written in the
+ * same way.
  *
- * The whole of *s in buf. SHEAR_E_SETTING where `size` is too small (SHEARD_MSG_SETTINGS_SIZE is
- * not). */
+ * Write all of *s into buf. SHEAR_E_SETTING if `size` is too small; SHEARD_MSG_SETTINGS_SIZE is
+ * enough. */
 int sheard_settings_write(const shear_settings *s, char *buf, size_t size, shear_error *err);
-/* Set in *s what `text` gives (lines NAME=VALUE, in any order; NULL: nothing), then check the
- * whole. SHEAR_E_SETTING. */
+/* Set in *s what `text` gives (lines NAME=VALUE in any order; NULL: nothing), then check the whole.
+ * Return SHEAR_OK or SHEAR_E_SETTING. */
 int sheard_settings_apply(shear_settings *s, const char *text, shear_error *err);
-/* The whole of *s from what sheard_settings_write wrote, also in an earlier version: settings of
- * 0.1 (without a preset) are the paper's where they say nothing, and their `auto` means what it
- * did. SHEAR_E_SETTING. */
+/* Read all of *s from a text of sheard_settings_write, also of an earlier version. Settings of 0.1
+ * (without a preset) have the paper's values if absent, and their `auto` keeps its meaning of then.
+ * Return SHEAR_OK or SHEAR_E_SETTING. */
 int sheard_settings_read(shear_settings *s, const char *text, shear_error *err);
-/* The digest of the whole of *s: `hash` of its canonical text. */
+/* Compute the digest of all of *s: `hash` of its canonical text. */
 typedef void sheard_digest(const void *bytes, size_t n, char *hex, size_t size);
 int sheard_settings_digest(const shear_settings *s, sheard_digest *hash, char *hex, size_t size,
                            shear_error *err);
@@ -566,10 +568,10 @@ int sheard_settings_digest(const shear_settings *s, sheard_digest *hash, char *h
 /* ---- Times ---- */
 
 enum { SHEARD_TIME_SIZE = 32 };
-/* RFC 3339, UTC, milliseconds. Returns buf. */
+/* Format as RFC 3339 in UTC with milliseconds. Return buf. */
 char *sheard_time_format(int64_t ms, char buf[SHEARD_TIME_SIZE]);
-/* Reads any RFC 3339 time (an offset, other fractions of a second: cut to milliseconds); false if
- * the text is no time. */
+/* Parse any RFC 3339 time, with any offset; fractions of a second are cut to milliseconds. Return
+ * false if the text is not a time. */
 bool sheard_time_parse(int64_t *ms, const char *text);
 
 #endif

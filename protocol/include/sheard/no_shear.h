@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard/no_shear.h: why a field has no shear (enum shear_no_shear), for machines and for people.
- */
+/* sheard/no_shear.h: the reason why a field has no shear (enum shear_no_shear), as a name, in words
+ * and as advice. */
 #ifndef SHEARD_NO_SHEAR_H
 #define SHEARD_NO_SHEAR_H
 
@@ -9,21 +9,23 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* "too_few_stamps", "no_weight", "same_stamps", "no_signal", "swapped", "too_narrow",
- * "no_symmetry", "not_finite": names that stay. NULL if there is a shear. */
+/* Return the name of the reason: "too_few_stamps", "no_weight", "same_stamps", "no_signal",
+ * "swapped", "too_narrow", "no_symmetry" or "not_finite"; NULL if there is a shear. These names
+ * never change. */
 const char *sheard_no_shear_name(enum shear_no_shear why);
-/* Back again; SHEAR_HAS_SHEAR for NULL and what is no such name. */
+/* Return the reason of that name, or SHEAR_HAS_SHEAR for NULL and any other name. */
 enum shear_no_shear sheard_no_shear_of(const char *name);
 
-/* In a few words, without numbers; static. NULL if there is a shear. Of the enum alone, and of
- * a result, which also tells whether one stamp spoils the others. */
+/* Return the reason in a few words without numbers, static, or NULL if there is a shear.
+ * sheard_no_shear_brief also detects that one stamp outweighs the others. */
 const char *sheard_no_shear_words(enum shear_no_shear why);
 const char *sheard_no_shear_brief(const shear_result *r);
-/* The cause with its numbers, and what to do. Each writes into buf and returns it. */
+/* Write the reason with its numbers, or what to do, into buf. Return buf. */
 const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size);
 const char *sheard_no_shear_advice(const shear_result *r, char *buf, size_t size);
 
-/* One stamp has more than half of sum (w D)^2, of more than 5 stamps: it decides alone. */
+/* Return whether one stamp of more than 5 has more than half of sum (w D)^2, so that it decides
+ * alone. */
 bool sheard_one_outweighs(const shear_result *r);
 
 #endif

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sheard/report.h: results as JSON, one object on one line.
  *
- * Numbers are written with 17 significant digits, so that they read back to the same bits; what is
- * not finite is null. Text that is not UTF-8 (file names may be anything) has its bad bytes
- * replaced by U+FFFD. Every object has all its keys, always, in the order of the structs below.
- */
+ * Numbers are written with 17 significant digits, so that they read back to the same bits; a number
+ * that is not finite is null. In text that is not UTF-8 (file names may be any bytes), invalid
+ * bytes are replaced by U+FFFD. Every object always has all its keys, in the order of the structs
+ * below. */
 #ifndef SHEARD_REPORT_H
 #define SHEARD_REPORT_H
 
@@ -18,32 +18,32 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* One file that went into a field's result. */
+/* One file of a field's result. */
 typedef struct sheard_report_file {
     const char *path;
-    const char *checksum; /* content hash, hex */
-    const char *field;    /* FIELD as the file has it (--field may count it to another) */
+    const char *checksum; /* hash of the content, hexadecimal */
+    const char *field;    /* FIELD of the file (--field may assign the file to another field) */
     int64_t n_stamps, n_used;
-    const shear_plan_info *plan; /* what the settings were resolved to for this file's PSF */
+    const shear_plan_info *plan; /* the resolved settings, for this file's PSF */
     double seconds;
 } sheard_report_file;
 
-/* One field by several estimators. */
+/* A field's results by several estimators. */
 enum { SHEARD_REPORT_ESTIMATORS = 2 };
 typedef struct sheard_report_estimators {
-    int n;                                     /* 0: there are not stamps enough, or too many */
+    int n;                                     /* 0: too few stamps, or too many */
     shear_result of[SHEARD_REPORT_ESTIMATORS]; /* [n] */
 } sheard_report_estimators;
 
-/* A field's result. Pointers are only read. */
+/* A field's result. Nothing that it points to is changed. */
 typedef struct sheard_report {
     const char *field;
     const shear_result *result;
-    const shear_settings *settings;  /* as asked for: "auto" stays "auto" */
-    const shear_plan_info *plan;     /* as resolved, of the first file */
+    const shear_settings *settings;  /* as requested: "auto" stays "auto" */
+    const shear_plan_info *plan;     /* the resolved settings of the first file */
     const sheard_report_file *files; /* [n_files] */
     size_t n_files;
-    const char *top_file; /* the file of result->top_stamp; NULL: not known */
+    const char *top_file; /* the file of result->top_stamp; NULL: unknown */
     bool has_truth;       /* all files name the same truth */
     double true_g1, true_g2;
     const char *const *warnings; /* [n_warnings] */

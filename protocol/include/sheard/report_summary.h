@@ -10,35 +10,35 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Numbers that are null, or not there, are NaN, counts 0, texts "". */
+/* The values of a report. Numbers that are null or absent are NaN, counts 0, texts "". */
 typedef struct sheard_report_summary {
     double g1, g1_err, g2, g2_err, cov12;
     int64_t n_stamps, n_used, n_flagged;
     int64_t flagged[SHEAR_N_FLAGS];
-    int64_t jackknife; /* groups; 0: another method */
+    int64_t jackknife; /* groups; 0: another error method */
     char estimator[16], error_method[16];
     double true_g1, true_g2, pull_g1, pull_g2;
     char no_shear[24]; /* sheard/no_shear.h */
     double noise_level, noise_level_err, noise_effect, noise_share;
     double n_eff, top_share;
-    int64_t top_stamp; /* -1: none, or not known */
+    int64_t top_stamp; /* -1: none, or unknown */
     char top_file[256];
     int64_t n_files;
-    char interpolation[24], filter[24]; /* as resolved */
+    char interpolation[24], filter[24]; /* resolved settings */
     char noise_band[16];
     int64_t oversample;
     double beta_px, r_psf_px, core_px, width_px;
-    double beta_to, r_psf_to, core_to; /* largest of the files; at least those above */
+    double beta_to, r_psf_to, core_to; /* largest value among the files; the smallest is above */
     bool core_found;
-    char asked_filter[24], background[16], artefacts[16]; /* settings */
+    char asked_filter[24], background[16], artefacts[16]; /* settings as requested */
     char **warnings;                                      /* [n_warnings], owned */
     int64_t n_warnings;
     double seconds;
 } sheard_report_summary;
 
-/* `text` is a JSON object; members that are not known are passed over. SHEAR_E_FORMAT,
- * SHEAR_E_NOMEM. *summary must be deinited after success only. */
+/* Parse `text`, a JSON object; unknown members are ignored. Return SHEAR_OK, SHEAR_E_FORMAT or
+ * SHEAR_E_NOMEM. The caller deinits *summary after success only. */
 int sheard_report_summary_parse(sheard_report_summary *summary, const char *text, shear_error *err);
-void sheard_report_summary_deinit(sheard_report_summary *summary); /* zeroed: fine */
+void sheard_report_summary_deinit(sheard_report_summary *summary); /* a zeroed struct is accepted */
 
 #endif
