@@ -105,7 +105,7 @@ static int parse_item(const sheard_setting *s, const char *text, size_t n, char 
     return code;
 }
 
-/* ---- lists: items between commas and line ends; empty ones do not count ---- */
+/* ---- lists: items separated by commas and line ends; empty items are ignored ---- */
 
 static bool contains(const sheard_list *list, const char *item) {
     for (size_t i = 0; i < list->n; i++) {
@@ -148,7 +148,7 @@ static int parse_list(const sheard_setting *s, const char *text, sheard_list *ou
     return SHEAR_OK;
 }
 
-/* ---- the rest ---- */
+/* ---- parsing ---- */
 
 static int parse_choice(const sheard_setting *s, const char *text, int *choice, shear_error *err) {
     char known[120];

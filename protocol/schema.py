@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""schema.py PROBE [--check]: renew what the documents take from the tables of the code, as PROBE (tests/unit/protocol_probe.c)
-tells them: docs/protocol.schema.json, from these and protocol/schema.in.json (what no table says); and in the examples of
-docs/protocol.md the whole settings of a job and the list of methods. With --check nothing is written; what is not current is
-named, and the status is 1. The target `protocol-docs` of the build runs it."""
+"""schema.py PROBE [--check]: update the documents that depend on the tables of messages. The program PROBE
+(tests/unit/protocol_probe.c) prints these. The documents are docs/protocol.schema.json, from the tables and
+protocol/schema.in.json (what is in no table), and docs/protocol.md, in whose examples the settings of a job and the list of
+methods are updated. With --check nothing is written: stale documents are named, and the exit status is 1. The target
+`protocol-docs` of the build runs it."""
 import json
 import os
 import re
@@ -25,7 +26,7 @@ def or_null(schema):
 
 
 def kind(name, member):
-    """The type of a member that may be null unless it is required."""
+    """Return the type of a member, which may be null unless it is required."""
     return name if member["required"] else [name, "null"]
 
 
@@ -39,7 +40,7 @@ def range_of(member):
     return {"minimum": member["min"], **most}
 
 
-# ---- What a client says: bounds hold, and other members are errors ----
+# ---- Messages of a client: limits apply, and other members are errors ----
 
 def asked_member(m):
     names = [n for n in m.get("names", []) if n]
@@ -65,19 +66,19 @@ def asked(members):
     return {**schema, **({"required": required} if required else {}), "additionalProperties": False}
 
 
-# ---- What the service says: all members are there, and newer services may have more ----
+# ---- Messages of the service: all members are present, and newer services may add some ----
 
 class Told:
     def __init__(self, code):
         self.defs = {}
-        self.asked = set()  # tables that clients use as well: the service's form has another name
+        self.asked = set()  # tables that clients use, too: the service's form gets another name
         for method in code["methods"]:
             self.note(method["params"])
 
     def note(self, members):
         for m in members:
             if "table" in m:
-                self.asked |= {m["table"], "source"}  # a source's members stand in submit's
+                self.asked |= {m["table"], "source"}  # a source's members are merged into submit's
                 self.note(m["members"])
 
     def name(self, table):
@@ -141,7 +142,7 @@ def settings(code):
             "job_settings": {"type": "object", "properties": properties, "required": names}}
 
 
-# ---- The whole ----
+# ---- The whole schema ----
 
 def call(method):
     params = ref(f"params_{method['name']}")
@@ -157,7 +158,7 @@ def notice(n):
 def schema(code):
     with open(os.path.join(ROOT, "protocol", "schema.in.json"), encoding="utf-8") as file:
         whole = json.load(file)
-    more = whole.pop("more")  # of definitions that are made here
+    more = whole.pop("more")  # additions to definitions that are generated here
     told = Told(code)
     defs = whole["$defs"]
     defs["request"]["oneOf"] = [call(m) for m in code["methods"]]
@@ -178,7 +179,7 @@ def schema(code):
 
 
 def layout(value, indent=0, before=0):
-    """JSON, each value on one line if it fits. `before`: characters that stand before it on its line."""
+    """Return JSON with each value on one line, if it fits. `before`: characters before it on its line."""
     flat = json.dumps(value, ensure_ascii=False)
     if before + len(flat) < WIDTH or not isinstance(value, (dict, list)) or not value:
         return flat
@@ -194,7 +195,7 @@ def layout(value, indent=0, before=0):
 
 
 def examples(code, document):
-    """The document with all settings where an example has all, and all methods where it lists them."""
+    """Return the document with all current settings in examples that have all, and the current list of methods."""
     def whole(found):
         old = json.loads(found.group(1))
         new = {s["name"]: old.get(s["name"], s["default"]) for s in code["settings"]}

@@ -32,7 +32,7 @@ enum access_code {
  * "service_denied", "not_regular", "root_missing"; for other codes that of shear_code_name. */
 const char *access_code_name(int code);
 
-/* ---- who is asking ---- */
+/* ---- peers ---- */
 
 typedef struct access_peer {
     uid_t uid; /* 0 may do everything */

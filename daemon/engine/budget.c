@@ -30,7 +30,7 @@ static void reserve(engine *e, job *j, int64_t bytes) {
     pthread_cond_broadcast(&e->progressed);
 }
 
-/* ---- the calls ---- */
+/* ---- public functions ---- */
 
 enum budget_answer budget_wait(job *j, int64_t bytes) {
     engine *e = j->engine;

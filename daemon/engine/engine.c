@@ -54,7 +54,7 @@ static void stop(engine *e, job *j) {
     pthread_cond_broadcast(&e->progressed);
 }
 
-/* ---- life ---- */
+/* ---- creating and freeing ---- */
 
 static int start_worker(engine *e, int slot) {
     worker_start *start = malloc(sizeof *start);

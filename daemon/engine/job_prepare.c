@@ -104,7 +104,7 @@ static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
     return code != SHEAR_OK ? code : plan_within_budget(j, &request, err);
 }
 
-/* ---- the whole ---- */
+/* ---- all steps ---- */
 
 static int open_and_hash(job *j, engine_event *event, shear_error *err) {
     int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);

@@ -87,7 +87,7 @@ void job_save_checkpoint(job *j) {
     pthread_mutex_unlock(&j->saving);
 }
 
-/* ---- the end ---- */
+/* ---- result ---- */
 
 enum engine_event_kind job_failure_event(const job *j, shear_error *err) {
     if (err->code == READER_E_STOPPED)

@@ -118,7 +118,7 @@ static void shrink(plan_cache *p, int64_t max_count, int64_t max_bytes) {
     }
 }
 
-/* ---- the calls ---- */
+/* ---- public functions ---- */
 
 plan_cache *plan_cache_new(int64_t max_count, int64_t max_bytes) {
     plan_cache *p = calloc(1, sizeof *p);

@@ -41,7 +41,7 @@ static bool is_journal(int fd) {
     unsigned long long inode = 0;
     char rest = '\0';
     struct stat st;
-    // NOLINTNEXTLINE(cert-err34-c): what does not fit is no stream of ours
+    // NOLINTNEXTLINE(cert-err34-c): a text that does not match is not our stream
     return text != NULL && sscanf(text, "%llu:%llu%c", &device, &inode, &rest) == 2 &&
            fstat(fd, &st) == 0 && st.st_dev == device && st.st_ino == inode;
 }
@@ -69,7 +69,7 @@ static int64_t now_ms(void) {
     return options.now_ms != NULL ? options.now_ms() : clock_ms(CLOCK_REALTIME);
 }
 
-/* ---- a line ---- */
+/* ---- lines ---- */
 
 static size_t escape(char *out, const char *text) {
     char *o = out;

@@ -53,7 +53,7 @@ int exchange_give_up(reader *r, int code, const char *what, shear_error *err) {
     return fail_again(r, err);
 }
 
-/* ---- questions and answers ---- */
+/* ---- requests and replies ---- */
 
 bool exchange_is_stopping(const reader *r) {
     return r->stop != NULL && atomic_load(r->stop);

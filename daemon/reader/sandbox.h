@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/sandbox.h: restrict the reader child to reading and writing open files, allocating memory,
- * answering on its socket, and ending. It cannot open files, no call takes a path or another
+/* reader/sandbox.h: restrict what the reader child may do: read and write open files, allocate
+ * memory, answer on its socket, and end. It cannot open files, no call takes a path or another
  * process, and no new memory is executable. */
 #ifndef SHEARD_READER_SANDBOX_H
 #define SHEARD_READER_SANDBOX_H

@@ -78,7 +78,7 @@ int scratch_check(scratch *s, bool full, shear_error *err) {
                       low ? "the disk is nearly full" : "[reader] scratch_bytes are taken");
 }
 
-/* ---- where ---- */
+/* ---- choice of the directory ---- */
 
 static bool works(const char *directory) {
     const int fd = directory != NULL && directory[0] == '/' ? io_open_nameless(directory) : -1;

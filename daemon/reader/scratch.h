@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/scratch.h: the temporary files that a reader unpacks into. They have no names, and are
  * opened for the reader before it starts, because it may not open files. The daemon watches their
- * size while the reader works, as the kernel reports it: what the reader says is not trusted. */
+ * size while the reader works, as the kernel reports it, because the reader is not trusted. */
 #ifndef SHEARD_READER_SCRATCH_H
 #define SHEARD_READER_SCRATCH_H
 

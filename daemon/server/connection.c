@@ -11,7 +11,7 @@
 /* Limits of one call of write. */
 enum { WRITE_LINES = 32, WRITE_BYTES = 1 << 18 };
 
-/* ---- what has gone out ---- */
+/* ---- accounting of written bytes ---- */
 
 static void wrote(connection *c, size_t bytes) {
     server *s = c->server;
@@ -24,7 +24,7 @@ static void wrote(connection *c, size_t bytes) {
     scheduler_note_freed(s);
 }
 
-/* ---- the end ---- */
+/* ---- closing ---- */
 
 static void free_connection(connection *c) {
     wrote(c, c->out.bytes);
@@ -66,7 +66,7 @@ void connection_abort(connection *c) {
     scheduler_add(c->server, c);
 }
 
-/* ---- out ---- */
+/* ---- output ---- */
 
 static bool queue(connection *c, out_line *line) {
     if (c->out.n == 0)
@@ -101,8 +101,8 @@ static bool has_room_for_notice(const connection *c, const out_line *line) {
            (c->out.n == 0 || s->notice_bytes <= s->limits.unsent_bytes / 4);
 }
 
-/* After one notification is left out, all are, until the client has been told: so the client knows
- * where the gap is. */
+/* After one notification is left out, all are, until the client gets `lost`: so it can locate the
+ * gap. */
 void connection_notify(connection *c, out_line *line) {
     server *s = c->server;
     if (c->closed || c->aborted || c->finishing)

@@ -37,7 +37,7 @@ struct connection {
     subscriptions subscriptions;
     out_queue out;
     size_t writing;   /* bytes of `out` handed to libuv, because the socket's buffer is full */
-    uint64_t lost;    /* notifications left out since the client was last told */
+    uint64_t lost;    /* notifications left out since the last `lost` */
     size_t unwritten; /* bytes that libuv held at the last tick */
 
     uint64_t active_ms;   /* time of the last line or reply */

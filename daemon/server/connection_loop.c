@@ -27,7 +27,7 @@ static bool is_over(const connection *c) {
            (c->n_input == 0 && c->open.n == 0 && !subscriptions_any(&c->subscriptions));
 }
 
-/* ---- in ---- */
+/* ---- input ---- */
 
 static void give_buffer(uv_handle_t *handle, size_t suggested, uv_buf_t *buf) {
     (void)suggested;
@@ -157,7 +157,7 @@ void connection_start(connection *c) {
     update(c);
 }
 
-/* ---- time ---- */
+/* ---- timeouts ---- */
 
 static bool is_stalled(connection *c, uint64_t now) {
     const server_limits *limits = &c->server->limits;

@@ -72,7 +72,7 @@ void server_reply_line(server *s, server_handle to, char *line, size_t n) {
     answered(c, r);
 }
 
-/* ---- work ---- */
+/* ---- deferred work ---- */
 
 bool server_defer(server *s, server_handle to, const server_work *work) {
     connection *c;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/scheduler.h: decide which connection is served next, and for how long. */
+/* server/scheduler.h: decide which connection is next, and for how long. */
 #ifndef SHEARD_SERVER_SCHEDULER_H
 #define SHEARD_SERVER_SCHEDULER_H
 

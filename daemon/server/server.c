@@ -61,7 +61,7 @@ static void fill_limits(server_limits *l, const server_limits *given) {
     l->user_connections += l->user_connections == 0; /* a quarter of very few is still one */
 }
 
-/* ---- time ---- */
+/* ---- timer ---- */
 
 static void on_tick(uv_timer_t *timer) {
     server *s = timer->data;
@@ -169,7 +169,7 @@ void server_sockets(const server *s, char *out, size_t size) {
     }
 }
 
-/* ---- the beginning ---- */
+/* ---- opening ---- */
 
 static void start_handles(server *s) {
     scheduler_init(s, (scheduler_calls){.process = connection_process,
@@ -219,7 +219,7 @@ int server_open(server **out, uv_loop_t *loop, const server_options *options, sh
     return SHEAR_OK;
 }
 
-/* ---- the end ---- */
+/* ---- closing ---- */
 
 void server_stop_accepting(server *s) {
     s->accepting = false;

@@ -141,7 +141,7 @@ void server_reply_line(server *s, server_handle to, char *line, size_t n);
 /* Return whether the request is unanswered and its connection open. */
 bool server_is_open(const server *s, server_handle handle);
 
-/* ---- work that takes longer than a request may ---- */
+/* ---- deferred work, for requests that take long ---- */
 
 enum server_step { SERVER_MORE, SERVER_PAUSE };
 
@@ -182,7 +182,7 @@ void server_publish(server *s, enum sheard_notice notice, int64_t job, const cha
 /* End the subscriptions to a finished job by its number. */
 void server_end_job(server *s, int64_t job);
 
-/* ---- the end ---- */
+/* ---- closing ---- */
 
 /* Accept no more connections, and remove the socket file. Open connections go on. */
 void server_stop_accepting(server *s);
@@ -191,7 +191,7 @@ void server_stop_accepting(server *s);
  * functions may be called until `done`. A second call of this one can only shorten the time. */
 void server_close(server *s, int64_t flush_ms, void (*done)(void *context), void *context);
 
-/* ---- numbers ---- */
+/* ---- statistics ---- */
 
 /* Counters since the start, except for the first four. */
 typedef struct server_statistics {

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The order of the steps keeps out everybody who should not get in:
- *   1. the lock (PATH.lock): of several servers that start at once one goes on. A socket that is
- *      bound but does not listen yet answers a connect as a dead one does, so the test of step 2
- *      is only sound while nobody else is at the steps after it;
- *   2. what is at the path is tested by a connect, and removed only if it is a socket of our own
- *      user that nobody listens on;
- *   3. fchmod(0) on the socket *before* bind: Linux makes the file with the socket's mode (minus
- *      the umask), so that it never has more permissions than none. The umask, which belongs to
- *      the whole process with its threads, is not touched;
- *   4. the group, then the mode (in this order: the mode must not be there for the old group);
- *   5. listen: only now can anybody get through. */
+/* The order of the steps keeps unauthorized clients out at any time:
+ *   1. the lock (PATH.lock): of several servers that start at once, only one continues. A socket
+ *      that is bound but does not listen yet answers a connect as a dead one does, so the test of
+ *      step 2 is reliable only while no other server is in the steps after it;
+ *   2. the existing path is tested by a connect, and removed only if it is a socket of this user
+ *      on which nobody listens;
+ *   3. fchmod(0) on the socket *before* bind: Linux creates the file with the socket's mode (minus
+ *      the umask), so it has no permissions at first. The umask, which all threads of the process
+ *      share, is not changed;
+ *   4. the group, then the mode (in this order: the mode must not apply to the old group);
+ *   5. listen: clients can connect only from now on. */
 #include "server/socket_file.h"
 
 #include <errno.h>
@@ -100,7 +100,7 @@ static void release_lock(socket_file *file) {
     }
 }
 
-/* ---- what is in the way ---- */
+/* ---- an existing file ---- */
 
 /* Return 0 if a process listens there, or the errno of connect. */
 static int try_connect(const struct sockaddr_un *address) {
@@ -131,7 +131,7 @@ static int remove_stale(const struct sockaddr_un *address, shear_error *err) {
     return unlink(path) == 0 ? SHEAR_OK : failed("cannot remove the old one", path, err);
 }
 
-/* ---- the new one ---- */
+/* ---- the new file ---- */
 
 static int find_group(gid_t *gid, const char *group, const char *path, shear_error *err) {
     struct group entry;

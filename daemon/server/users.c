@@ -6,7 +6,7 @@
 #include <assert.h>
 #include <stdlib.h>
 
-/* ---- who is there ---- */
+/* ---- users ---- */
 
 static server_user *find(server_user_list *all, uid_t uid) {
     server_user *u = TAILQ_FIRST(all);
@@ -48,7 +48,7 @@ void users_part(server_user_list *all, server_user *u) {
     drop_unused(all, u);
 }
 
-/* ---- the heap: places begin at 1, so that 0 means that it is not in the heap ---- */
+/* ---- the heap: places begin at 1; 0 means not in the heap ---- */
 
 static void put(server_user *u, size_t place, connection *c) {
     u->ready[place - 1] = c;
@@ -86,7 +86,7 @@ void users_remove_ready(server_user *u, connection *c) {
     }
 }
 
-/* ---- who is next ---- */
+/* ---- order ---- */
 
 static uint64_t not_before(uint64_t used_ns, uint64_t clock_ns) {
     const uint64_t least = clock_ns > USERS_CREDIT_NS ? clock_ns - USERS_CREDIT_NS : 0;

@@ -44,7 +44,7 @@ int json_text_finish(char **text, json_t *object, shear_error *err);
  * ("WHAT is no JSON object") or SHEAR_E_NOMEM. */
 int json_text_load(json_t **object, const char *text, const char *what, shear_error *err);
 
-/* ---- Members as they are read: passed over if they are of another type ---- */
+/* ---- Reading members; one of another type counts as absent ---- */
 
 double json_text_number_at(const json_t *object, const char *key);      /* NaN if absent */
 int64_t json_text_count_at(const json_t *object, const char *key);      /* 0 if absent */

@@ -73,7 +73,7 @@ MSG_WHOLE(job_changed, MSG_STRUCT(job_changed, job, job, MSG_REQUIRED));
 MSG_WHOLE(job_progress, MSG_NEEDED(job_progress, id),
           MSG_STRUCT(job_progress, progress, progress, MSG_REQUIRED));
 
-/* ---- The file beside an input ---- */
+/* ---- The report file beside an input ---- */
 
 static const msg_member side_members[] = {
     MSG_NEEDED(side, file), MSG_NAMED(side, state, "state", msg_job_states, MSG_REQUIRED),

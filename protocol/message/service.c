@@ -21,7 +21,7 @@ MSG_TABLE(welcome, NULL);
 
 MSG_WHOLE(subscribed, MSG(subscribed, jobs), MSG(subscribed, fields), MSG(subscribed, all));
 
-/* ---- The parts of the status ---- */
+/* ---- Parts of the status ---- */
 
 MSG_PART(plans, MSG(plans, kept), MSG(plans, bytes), MSG(plans, hits), MSG(plans, misses));
 

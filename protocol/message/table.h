@@ -66,7 +66,7 @@ struct msg_table {
     int (*check)(const void *message, sheard_rpc_error *error);
 };
 
-/* ---- Members. T: its struct is sheard_msg_T. The key in JSON is the member's name ---- */
+/* ---- Members of struct sheard_msg_T. The key in JSON is the member's name ---- */
 
 #define MSG_MEMBER(T, member, key, kind, c_type, ...)                                              \
     {                                                                                              \

@@ -27,7 +27,7 @@ static int read_error(sheard_rpc_error *said, const json_t *value, sheard_rpc_er
     text_set(said->advice, sizeof said->advice, json_text_string_at(data, "advice"));
     text_set(said->message, sizeof said->message, json_text_string_at(value, "message"));
     said->code = sheard_rpc_code_find(said->name);
-    if (said->code == SHEARD_RPC_OK) { /* it is an error in any case */
+    if (said->code == SHEARD_RPC_OK) { /* the line is an error in any case */
         said->code = SHEARD_RPC_UNKNOWN;
     }
     return SHEARD_RPC_OK;

@@ -88,7 +88,7 @@
          "correct the file; the old configuration is still in force")                              \
     CODE(FILE_TOO_LARGE, file_too_large, -32037, false, DATA,                                      \
          "split the file, or have [reader] max_file_bytes raised")                                 \
-    /* why a job failed: also libshear's own names (shear_code_name) */                            \
+    /* reasons why a job failed, with libshear's own names (shear_code_name) */                    \
     CODE(IO, io, -32050, true, TRANSIENT, "look at the disk that the message names")               \
     CODE(BAD_FILE, bad_file, -32051, false, DATA,                                                  \
          "shearctl validate tells what is wrong with the file")                                    \

@@ -116,7 +116,7 @@ const char *sheard_server_state_name(int state);
 /* Return whether the state is done, failed, cancelled or retracted. */
 bool sheard_job_state_is_final(int state);
 
-/* ---- What a job reads ---- */
+/* ---- The files of a job ---- */
 
 typedef struct sheard_msg_image {
     const char *path;    /* NULL: no such part */
@@ -423,7 +423,7 @@ typedef struct sheard_msg_disk {
     const char *use; /* "state", "spool", "catalogues", "scratch" */
     const char *path;
     int64_t free_bytes, bytes;
-    const char *same_as; /* `use` of an earlier disk that is the same; or NULL */
+    const char *same_as; /* `use` of an earlier entry on the same disk; or NULL */
     const char *problem; /* why it cannot be written to; or NULL */
 } sheard_msg_disk;
 
@@ -531,7 +531,7 @@ typedef struct sheard_msg_lost {
     int64_t count; /* notifications left out because the client did not read */
 } sheard_msg_lost;
 
-/* ---- The file beside an input in done/ and failed/ ---- */
+/* ---- The report file beside an input in done/ and failed/ ---- */
 
 typedef struct sheard_msg_side {
     const char *file;            /* the input's name when it was dropped */

@@ -3,8 +3,8 @@
  *
  * Numbers are written with 17 significant digits, so that they read back to the same bits; a number
  * that is not finite is null. In text that is not UTF-8 (file names may be any bytes), invalid
- * bytes are replaced by U+FFFD. Every object always has all its keys, in the order of the structs
- * below. */
+ * bytes are replaced by U+FFFD. Every object has all its keys (except estimators), in the order of
+ * the structs below. */
 #ifndef SHEARD_REPORT_H
 #define SHEARD_REPORT_H
 
@@ -48,20 +48,20 @@ typedef struct sheard_report {
     double true_g1, true_g2;
     const char *const *warnings; /* [n_warnings] */
     size_t n_warnings;
-    const sheard_report_estimators *estimators; /* NULL: not told */
+    const sheard_report_estimators *estimators; /* NULL: not reported */
     double seconds;                             /* wall clock, all files */
 } sheard_report;
 
-/* *text is malloc'd and the caller's to free; no newline at its end. Keys: field g1 g1_err g2
- * g2_err cov12 n_stamps n_used n_flagged flags{} settings{} resolved{} files[] estimator
- * ("mean" or "pdf-sym") error_method ("delta", "jackknife" or "symmetry") jackknife (groups or
- * null) truth{g1,g2} pull{g1,g2} (null without truth; (measured - true)/error) delta_err{g1,g2}
- * (null if the errors are the delta method's) no_shear (sheard/no_shear.h; null)
+/* Write the report to *text, from malloc, without a newline; the caller frees it. Return SHEAR_OK
+ * or SHEAR_E_NOMEM. Keys: field g1 g1_err g2 g2_err cov12 n_stamps n_used n_flagged flags{}
+ * settings{} resolved{} files[] estimator ("mean" or "pdf-sym") error_method ("delta", "jackknife"
+ * or "symmetry") jackknife (groups or null) truth{g1,g2} pull{g1,g2} ((measured - true)/error; null
+ * without truth) delta_err{g1,g2} (null if the errors are the delta method's) no_shear
+ * (sheard/no_shear.h; null if there is a shear)
  * noise_level{alpha,alpha_err,effect,shape,shape_err,share}
  * influence{n_eff,top_share,top_stamp,top_file} (shear/sums.h)
- * estimators{name:{g1,g1_err,g2,g2_err,cov12,error_method}} (of `shearctl measure` only: if they
- * are not told, the key is not there; null if there are none) filter_removed
- * warnings[] version seconds. SHEAR_E_NOMEM. */
+ * estimators{name:{g1,g1_err,g2,g2_err,cov12,error_method}} (only of `shearctl measure`: absent if
+ * `estimators` is NULL; null if it is empty) filter_removed warnings[] version seconds. */
 int sheard_report_json(char **text, const sheard_report *report, shear_error *err);
 
 #endif

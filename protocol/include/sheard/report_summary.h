@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard/report_summary.h: what sheard_report_json wrote, read back for people: the numbers of a
- * field's or a job's result. */
+/* sheard/report_summary.h: the numbers of a result, read back from the JSON of sheard_report_json,
+ * to be shown to people. */
 #ifndef SHEARD_REPORT_SUMMARY_H
 #define SHEARD_REPORT_SUMMARY_H
 

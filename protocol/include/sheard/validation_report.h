@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard/validation_report.h: the validation report of one field file as JSON, made by `shearctl
- * validate`. Numbers and texts are as in sheard/report.h. */
+/* sheard/validation_report.h: the validation report of one field file (shearctl validate) as JSON.
+ * Numbers and texts are as in sheard/report.h. */
 #ifndef SHEARD_VALIDATION_REPORT_H
 #define SHEARD_VALIDATION_REPORT_H
 
