@@ -23,8 +23,8 @@ static bool has_dots(const char *path) {
     return false;
 }
 
-/* Return whether the file's syntax could not express the text: control characters, and ';' or '#'
- * after a space, which begin a comment. */
+/* Return whether the file's syntax cannot express the text: control characters, a space at the end,
+ * and ';' or '#' after a space, which begin a comment. */
 static bool has_unwritable(const char *text) {
     for (const char *p = text; *p != '\0'; p++) {
         if (iscntrl((unsigned char)*p) || (*p == ' ' && (p[1] == ';' || p[1] == '#')))

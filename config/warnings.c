@@ -43,8 +43,7 @@ static void warn_names(warning_scene *scene, const char *key, const sheard_list 
                        char *buf) {
     for (size_t i = 0; i < names->n; i++) {
         const char *name = names->items[i];
-        const bool is_number =
-            name[strspn(name, "0123456789")] == '\0'; /* a number is accepted, too */
+        const bool is_number = name[strspn(name, "0123456789")] == '\0'; /* is valid, too */
         if (!is_number && !(users ? user_known(name, buf) : group_known(name, buf))) {
             problems_warn(scene->problems, where(scene, "access", key),
                           "take it out, or reload the service once there is one: until then "

@@ -143,8 +143,7 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a job");
     pthread_t thread;
     pthread_mutex_lock(&e->lock);
-    const int rc = start_thread(&thread, job_thread_main,
-                                j); /* it waits for the lock before it touches the list */
+    const int rc = start_thread(&thread, job_thread_main, j); /* it waits for the lock */
     if (rc == 0) {
         j->served = least_served(e);
         j->next = e->jobs;

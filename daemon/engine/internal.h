@@ -30,10 +30,9 @@ struct engine {
     event_queue events; /* likewise */
 
     pthread_mutex_t lock;
-    pthread_cond_t
-        work_available;        /* workers wait for it: a job may have work, or `stopping` is set */
-    pthread_cond_t progressed; /* job threads and engine_free wait for it: a job has progressed,
-                                  memory is free, or a thread ends */
+    pthread_cond_t work_available; /* for workers: a job may have work, or `stopping` is set */
+    pthread_cond_t progressed;     /* job threads and engine_free wait for it: a job has progressed,
+                                      memory is free, or a thread ends */
     bool stopping;
     job *jobs;
     struct {

@@ -26,8 +26,7 @@ bool job_files_acquire(job_files *f, const shear_input *input, const int *fds) {
         ok = copy(&f->input.parts[i].path, input->parts[i].path) && ok;
         ok = copy(&f->input.parts[i].extname, input->parts[i].extname) && ok;
         if (f->fds[i] >= 0) {
-            fstat(f->fds[i],
-                  &f->initial[i]); /* zeros if it fails: job_files_check then fails, too */
+            fstat(f->fds[i], &f->initial[i]); /* zeros if it fails: then the check fails, too */
         }
     }
     return ok;

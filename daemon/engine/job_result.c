@@ -57,8 +57,7 @@ static int make_checkpoint(job *j, engine_event *event, shear_error *err) {
     int code = job_sums_join(&f, j, j->terms_saved, err);
     if (code != SHEAR_OK)
         return code;
-    code =
-        job_files_check(&j->files, err); /* only a check after the blocks were read covers them */
+    code = job_files_check(&j->files, err); /* after the blocks were read, to cover them */
     if (code != SHEAR_OK) {
         shear_work_fail(j->work, err);
         return code;

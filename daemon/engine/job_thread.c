@@ -26,8 +26,8 @@ static void wait_until_measured(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
     assert(j->phase == JOB_OPENED);
     j->phase = JOB_MEASURING;
-    j->counted = shear_work_get_status(j->work)
-                     .stamps_done; /* not 0 after a checkpoint: those were counted before */
+    j->counted =
+        shear_work_get_status(j->work).stamps_done; /* before a checkpoint: counted already */
     atomic_store(&j->stage, ENGINE_MEASURING);
     if (j->stop_asked)
         shear_work_stop(j->work);

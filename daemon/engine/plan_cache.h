@@ -38,8 +38,7 @@ int plan_cache_acquire(plan_cache *p, const shear_plan_request *request, const s
 void plan_cache_release(plan_cache *p, const shear_plan *plan);
 
 typedef struct plan_cache_statistics {
-    int64_t count,
-        bytes; /* current, including plans in use; bytes of shear_plan_bytes and of the keys */
+    int64_t count, bytes; /* now, with plans in use; shear_plan_bytes and keys */
     int64_t hits, misses; /* since the start */
 } plan_cache_statistics;
 plan_cache_statistics plan_cache_get_statistics(plan_cache *p);

@@ -31,7 +31,8 @@ static job *choose(engine *e, int slot) {
 
 /* ---- measuring ---- */
 
-/* Return whether a checkpoint is due that this thread has to write. It is due once only. */
+/* Return whether this thread has to write a checkpoint now. Its time is recorded, so that no other
+ * thread writes it, too. */
 static bool checkpoint_due(engine *e, job *j) {
     const int64_t now = clock_ms(CLOCK_MONOTONIC);
     const int64_t next_block = shear_work_get_status(j->work).next_block;

@@ -138,8 +138,7 @@ void connection_process(connection *c) {
     } else if (r != NULL && may_go_on(c)) {
         go_on(c, r);
     } else if (r != NULL) {
-        scheduler_end_work(c->server,
-                           c); /* other connections do not wait for a client that does not read */
+        scheduler_end_work(c->server, c); /* others do not wait for a client that does not read */
     }
     if (c->n_input == 0 || c->finishing)
         drop_input(c);
