@@ -15,6 +15,7 @@ int config_set_at(sheard_config *config, size_t index, const char *text, int lin
 
 /* Find the setting's index. The error for an unknown one suggests the nearest name. */
 int config_find(const char *section, const char *key, size_t *index, shear_error *err);
+/* Fill in the error of an unknown section, with the nearest name, and return its code. */
 int config_unknown_section(const char *section, shear_error *err);
 
 /* Describe where the setting comes from: "path:12", "command line", "default", or "earlier

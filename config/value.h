@@ -38,6 +38,7 @@ char *number_expected(const sheard_setting *s, char *buf, size_t size);
 /* Format a value, from malloc; lists are joined with ", ". Return NULL if out of memory. */
 char *value_format(const sheard_setting *s, const void *member);
 
+/* Return whether two members have equal values. */
 bool value_equal(const sheard_setting *s, const void *a, const void *b);
 
 /* Free what the member owns. */

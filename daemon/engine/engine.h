@@ -95,13 +95,17 @@ typedef struct engine_event {
     double seconds;       /* DONE: time from engine_add to the end */
     shear_error error;    /* FAILED: code of shear/error.h, reader/reader.h or enum engine_code */
 } engine_event;
+/* Free the memory that an event owns. */
 void engine_event_deinit(engine_event *event);
 
+/* Start the worker threads. `limits.program` and `limits.scratch` are copied. On an error *e is
+ * NULL. */
 int engine_new(engine **e, const engine_options *options, shear_error *err);
 /* Stop all jobs after their current work units, join the threads, and drop unread events. NULL is
  * accepted. */
 void engine_free(engine *e);
 
+/* Add a job and start its thread. On an error (SHEAR_E_NOMEM) there is no event. */
 int engine_add(engine *e, const engine_job *job, shear_error *err);
 /* Measure an OPENED job, from the checkpoint if it is not NULL. RESUMED has the first block: 0 if
  * the catalog lacks rows before the checkpoint, or if the terms do not belong to the sums. */

@@ -35,6 +35,7 @@ int64_t plan_cache_shrink_to(plan_cache *p, int64_t bytes);
  * is NULL. The caller releases it with plan_cache_release, which accepts NULL. */
 int plan_cache_acquire(plan_cache *p, const shear_plan_request *request, const shear_plan **plan,
                        shear_error *err);
+/* Give back a plan that was acquired. It stays in the cache within its limits. NULL is accepted. */
 void plan_cache_release(plan_cache *p, const shear_plan *plan);
 
 typedef struct plan_cache_statistics {

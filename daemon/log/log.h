@@ -43,6 +43,7 @@ void log_options_init(log_options *options);
  */
 void log_open(const log_options *options);
 void log_set_level(enum log_level level);
+/* Return whether messages of this level are written. */
 bool log_is_on(enum log_level level);
 /* Write the counts of repeated messages that were left out. Call it from time to time, and at the
  * end. */

@@ -28,7 +28,9 @@ void notify_deinit(notify *n); /* further calls do nothing */
 int notify_ready(const notify *n, const char *status, shear_error *err);
 /* Report that a reload begins; notify_ready reports its end. */
 int notify_reloading(const notify *n, shear_error *err);
+/* Report that the service stops. */
 int notify_stopping(const notify *n, const char *status, shear_error *err);
+/* Change the status; NULL clears it. */
 int notify_status(const notify *n, const char *status, shear_error *err);
 /* Report that the service is alive, at least twice per watchdog_ms. */
 int notify_watchdog(const notify *n, shear_error *err);

@@ -49,6 +49,7 @@ int reader_start(reader **r, const shear_input *input, const int *fds, const rea
 /* Kill and reap the child, and free the reader. NULL is accepted. */
 void reader_stop(reader *r);
 
+/* Return the field's description, already checked; it is the reader's. */
 const shear_field_info *reader_get_info(const reader *r);
 /* Return the guards of its sandbox as the child reports them: enum sandbox_guard. */
 unsigned reader_get_guards(const reader *r);

@@ -10,6 +10,7 @@
 /* Return whether the numbers that the daemon allocates and indexes by are in range, and the name is
  * printable. The name is terminated. */
 bool validate_info(shear_field_info *info);
+/* Return whether the text is a terminated checksum of hexadecimal digits. */
 bool validate_checksum(const char text[SHEAR_CHECKSUM_SIZE]);
 
 #endif

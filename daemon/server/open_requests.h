@@ -27,6 +27,7 @@ typedef struct open_requests {
 } open_requests;
 
 void open_requests_init(open_requests *o);
+/* Free all requests, and drop their deferred work. */
 void open_requests_deinit(open_requests *o);
 /* Add a request. Return its number, or 0 if out of memory. */
 uint64_t open_requests_add(open_requests *o, const sheard_request *request);
@@ -35,6 +36,7 @@ open_request *open_requests_find(const open_requests *o, uint64_t number);
 /* Remove a request, and drop its deferred work. */
 void open_requests_remove(open_requests *o, uint64_t number);
 
+/* Mark a request's deferred work as runnable, or as paused. */
 void open_requests_wake(open_requests *o, open_request *r);
 void open_requests_pause(open_requests *o, open_request *r);
 

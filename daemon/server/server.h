@@ -127,6 +127,7 @@ void server_sockets(const server *s, char *out, size_t size);
 
 /* Change the limits. New limits of connections and line lengths apply to later connections. */
 void server_set_limits(server *s, const server_limits *limits);
+/* Change the defaults of a submit's settings (copied); NULL: none. */
 void server_set_defaults(server *s, const shear_settings *defaults);
 
 /* ---- replies ---- */

@@ -20,7 +20,10 @@ int subscriptions_add(subscriptions *w, const sheard_msg_subscribe *what, size_t
 void subscriptions_remove(subscriptions *w, const sheard_msg_subscribe *what);
 /* End the subscription to a job by its number. Return false if there was none. */
 bool subscriptions_end_job(subscriptions *w, int64_t job);
+/* Return whether there is any subscription. */
 bool subscriptions_any(const subscriptions *w);
+/* Return whether the notification about `job` (0: none) or `field` (NULL: none) is subscribed to.
+ */
 bool subscriptions_match(const subscriptions *w, enum sheard_notice notice, int64_t job,
                          const char *field);
 

@@ -29,10 +29,12 @@ typedef TAILQ_HEAD(server_user_list, server_user) server_user_list;
 /* Return the user of a uid, with one more reference, or NULL if out of memory. The heap then has
  * capacity for all of the user's connections. `clock_ns` is the server's: see users_next. */
 server_user *users_join(server_user_list *all, uid_t uid, uint64_t clock_ns);
+/* Give up a reference. The last one frees the user. */
 void users_part(server_user_list *all, server_user *u);
 
 /* Add a connection that has something to do. */
 void users_add_ready(server_user *u, connection *c, uint64_t clock_ns);
+/* Remove a ready connection from the heap. */
 void users_remove_ready(server_user *u, connection *c);
 /* Remove the next connection from its user's heap and return it, or NULL if none is ready.
  * *clock_ns is advanced to its user's time. */

@@ -12,6 +12,7 @@ typedef struct msg_reader {
     char path[SHEARD_RPC_PARAMETER_SIZE]; /* "galaxy.hdu", "ids[3]" */
 } msg_reader;
 
+/* Return whether the message comes from a client (MSG_STRICT). */
 bool reader_is_strict(const msg_reader *r);
 
 /* Enter a member or an element. Return the mark with which reader_leave returns. */

@@ -159,6 +159,7 @@ const char *msg_name(const char *const *names, int index);
 
 /* ---- Values in memory (message/value.c) ---- */
 
+/* Set all members to their fallback; free what the members own. */
 void msg_init(void *message, const msg_table *table);
 void msg_deinit(void *message, const msg_table *table);
 /* Return whether a MSG_NULLABLE object is present. */

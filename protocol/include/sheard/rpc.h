@@ -73,6 +73,7 @@ const char *sheard_notice_name(int notice);
 /* Return the number of a name, or SHEARD_METHOD_NONE or SHEARD_NOTICE_NONE. */
 enum sheard_method sheard_method_find(const char *name);
 enum sheard_notice sheard_notice_find(const char *name);
+/* Return whether the method is for administrators only. */
 bool sheard_method_needs_admin(int method);
 /* Return all names, in order, as a static array; *n becomes their number. */
 const char *const *sheard_method_names(size_t *n);
