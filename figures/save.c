@@ -62,11 +62,8 @@ static int put_in_place(const char *part, const char *path, bool replace, shear_
 static int write_png(shear_figure *f, int fd, const char *path, shear_error *err) {
     errno = 0;
     const cairo_status_t status = cairo_surface_write_to_png_stream(f->surface, write_bytes, &fd);
-    int number = status == CAIRO_STATUS_SUCCESS ? 0 : errno ? errno : EIO;
-    if (number == 0 && fsync(fd) != 0)
-        number = errno;
-    if (close(fd) != 0 && number == 0)
-        number = errno;
+    const int failed = status == CAIRO_STATUS_SUCCESS ? 0 : errno != 0 ? errno : EIO;
+    const int number = io_finish(fd, failed);
     if (status == CAIRO_STATUS_NO_MEMORY)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory to write %s", path);
     return number == 0 ? SHEAR_OK : fail_io(err, "write", path, number);

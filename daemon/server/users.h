@@ -2,8 +2,8 @@
 /* server/users.h: processor time per user, and which user and connection is served next. Of those
  * that have something to do, the user charged with the least time is next, then the user's
  * connection with the least. An idle user saves up at most USERS_CREDIT_NS. */
-#ifndef SERVER_USERS_H
-#define SERVER_USERS_H
+#ifndef SHEARD_SERVER_USERS_H
+#define SHEARD_SERVER_USERS_H
 
 #include "server/connection.h"
 

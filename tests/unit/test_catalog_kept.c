@@ -185,7 +185,7 @@ static void what_cannot_be_gone_on_with(void **state) {
     refused(path, &info, sum, 160, SHEAR_E_FORMAT);
     fixture_save(temporary(path), "x", 1);
     refused(path, &info, sum, 160, SHEAR_E_FORMAT);
-    shear_catalog_suspend(begin(path)); /* begun anew: no row of before counts */
+    shear_catalog_suspend(begin(path)); /* started over: no earlier row counts */
     refused(path, &info, sum, 160, SHEAR_E_FORMAT);
     shear_catalog *c = begin(path);
     keep(c, 0);

@@ -50,15 +50,18 @@ static void tell_final(service *s, const store_job *job) {
 static void settled(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     CLEANUP(store_job_deinit) store_job job = {0};
-    shear_error ignored;
+    shear_error failure;
     if (code != SHEAR_OK) {
         log_error("job %" PRId64 ": its end is not on disk (%s); it will run again", post->job,
                   err->message);
         s->jobs->may_have_orphans = true;
         return;
     }
-    if (store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK)
+    if (store_job_get(s->store, post->job, &job, &failure) != SHEAR_OK) {
+        log_error("job %" PRId64 " has ended, but its effects are not carried out: %s", post->job,
+                  failure.message);
         return;
+    }
     s->jobs->hooks->dispose_file(s, &job);
     job_message_publish(s, &job);
     if (job.state == STORE_WAITING)
@@ -68,7 +71,8 @@ static void settled(post_commit *post, int code, const shear_error *err) {
 }
 
 void job_outcome_settle(service *s, int64_t id) {
-    group_then(&s->group, settled, id, sizeof(post_commit));
+    if (group_then(&s->group, settled, id, sizeof(post_commit)) == NULL)
+        log_error("job %" PRId64 ": no memory to carry out the effects of its end", id);
 }
 
 /* ---- failures ---- */
