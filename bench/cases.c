@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cases.h"
 
+#include "base/cleanup.h"
+
 #include "timer.h"
 
 #include <math.h>
@@ -58,9 +60,7 @@ static int allocate(bench_data *d, int side, int n_psf, shear_error *err) {
 static int make_plan(bench_data *d, const bench_case *c, shear_error *err) {
     shear_settings settings;
     shear_settings_init(&settings);
-    const int code = shear_settings_set(&settings, "interpolation", c->interpolation, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_settings_set(&settings, "interpolation", c->interpolation, err));
     settings.oversample = c->oversample > 1 ? c->oversample : 0;
     /* the paper's filter, at the beta that the plan will choose */
     settings.core_px = fmin(c->r_gal_px + 4.0 * 1.5 * c->r_psf_px, 0.45 * c->side);
@@ -77,9 +77,7 @@ int bench_data_init(bench_data *d, const bench_case *c, int count, shear_error *
     const size_t pixels = (size_t)c->side * (size_t)c->side;
     uint32_t seed = 1;
     *d = (bench_data){.count = count};
-    const int code = allocate(d, c->side, n_psf, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(allocate(d, c->side, n_psf, err));
     for (int i = 0; i < count; i++) {
         draw(d->galaxy + (size_t)i * pixels, c->side, hypot(c->r_gal_px / 2, c->r_psf_px), 10.0,
              1.0, &seed);

@@ -99,9 +99,7 @@ static void one_round(const timed_case *b, record *r, int at) {
 int rounds_time_case(const bench_case *c, int rounds, int threads, timing *out, shear_error *err) {
     static record r;
     CLEANUP(timed_case_deinit) timed_case b = {0};
-    const int code = timed_case_init(&b, c, threads, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(timed_case_init(&b, c, threads, err));
     one_round(&b, &r, 0); /* warm-up */
     for (int i = 0; i < rounds; i++)
         one_round(&b, &r, i);

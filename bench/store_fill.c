@@ -50,8 +50,8 @@ static int make_pattern(store *s, shear_error *err) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     int code = store_submit(s, &spec, 10, &id, &known, err);
     code = code != SHEAR_OK ? code : store_next(s, 1, &job, err);
-    code = code != SHEAR_OK ? code : store_set_input(s, id, &input, &of, err);
-    return code != SHEAR_OK ? code : store_finish(s, id, &work, &end, err);
+    TRY(code != SHEAR_OK ? code : store_set_input(s, id, &input, &of, err));
+    return store_finish(s, id, &work, &end, err);
 }
 
 /* ?1: jobs, ?2: fields. Job n belongs to field (n - 1) mod fields. Triggers are disabled; the

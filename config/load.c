@@ -156,10 +156,8 @@ static int renew_path(sheard_config *config, const char *path, shear_error *err)
 static int load(loader *l, bool may_miss) {
     CLEANUP(release_free) char *text = NULL;
     size_t size = 0;
-    int code = renew_path(l->config, l->path, &l->error);
-    if (code != SHEAR_OK)
-        return code;
-    code = file_read(l->path, may_miss, &text, &size, &l->error);
+    TRY(renew_path(l->config, l->path, &l->error));
+    int code = file_read(l->path, may_miss, &text, &size, &l->error);
     if (code != SHEAR_OK || text == NULL)
         return code;
     return load_text(l, text, size);

@@ -77,9 +77,7 @@ static int print_all(FILE *out, const sheard_config *defaults, shear_error *err)
 
 int sheard_config_print_manual(FILE *out, shear_error *err) {
     CLEANUP(sheard_config_deinit) sheard_config defaults = {0};
-    int code = sheard_config_init(&defaults, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = print_all(out, &defaults, err);
+    TRY(sheard_config_init(&defaults, err));
+    int code = print_all(out, &defaults, err);
     return code == SHEAR_OK ? text_flushed(out, err) : code;
 }

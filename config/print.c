@@ -56,9 +56,7 @@ int sheard_config_print(const sheard_config *config, FILE *out, shear_error *err
         if (begins_section(i))
             fprintf(out, "%s[%s]\n", i > 0 ? "\n" : "", sheard_setting_at(i).section);
         fprintf(out, "# %s\n", config_where(config, i, where, sizeof where));
-        int code = print_setting(out, config, i, "", err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(print_setting(out, config, i, "", err));
     }
     return text_flushed(out, err);
 }

@@ -118,9 +118,7 @@ static bool contains(const sheard_list *list, const char *item) {
 static int add_item(const sheard_setting *s, sheard_list *list, const char *text, size_t n,
                     shear_error *err) {
     CLEANUP(release_free) char *item = NULL;
-    const int code = parse_item(s, text, n, &item, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(parse_item(s, text, n, &item, err));
     if (contains(list, item)) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.200s' is listed twice",
                           s->section, s->key, item);
@@ -138,9 +136,7 @@ static int parse_list(const sheard_setting *s, const char *text, sheard_list *ou
         size_t n = length;
         while (n > 0 && strchr(blank, text[n - 1]) != NULL)
             n--;
-        const int code = n > 0 ? add_item(s, &list, text, n, err) : SHEAR_OK;
-        if (code != SHEAR_OK)
-            return code;
+        TRY(n > 0 ? add_item(s, &list, text, n, err) : SHEAR_OK);
         text += length + (text[length] != '\0');
     }
     *out = list;

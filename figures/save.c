@@ -74,9 +74,7 @@ int shear_figure_save(shear_figure *figure, const char *path, bool replace, shea
         return shear_fail(err, figure->error.code, figure->error.advice, "%s: %s", path,
                           figure->error.message);
     }
-    int code = check_target(path, replace, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_target(path, replace, err));
     CLEANUP(release_free) char *part = NULL;
     if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0) {
         part = NULL;
@@ -86,7 +84,7 @@ int shear_figure_save(shear_figure *figure, const char *path, bool replace, shea
     const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0)
         return fail_io(err, "create", path, errno);
-    code = write_png(figure, fd, path, err);
+    int code = write_png(figure, fd, path, err);
     code = code != SHEAR_OK ? code : put_in_place(part, path, replace, err);
     if (code != SHEAR_OK)
         unlink(part);

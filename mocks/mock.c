@@ -41,9 +41,7 @@ static void fill_info(shear_mock *m) {
 
 int shear_mock_new(shear_mock **m, const shear_mock_spec *spec, shear_error *err) {
     *m = NULL;
-    int code = shear_mock_spec_check(spec, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_mock_spec_check(spec, err));
     shear_mock *made = calloc(1, sizeof *made);
     if (made == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a mock");

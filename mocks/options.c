@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "options.h"
 
+#include "base/cleanup.h"
+
 #include "value.h"
 
 #include <inttypes.h>
@@ -153,11 +155,8 @@ static int check_range(const shear_mock_spec *s, const shear_mock_option *o, she
 }
 
 int options_check_ranges(const shear_mock_spec *s, shear_error *err) {
-    for (size_t i = 0; i < N_OPTIONS; i++) {
-        int code = check_range(s, &table[i], err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (size_t i = 0; i < N_OPTIONS; i++)
+        TRY(check_range(s, &table[i], err));
     return SHEAR_OK;
 }
 
@@ -221,9 +220,7 @@ int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear
         return shear_fail(err, SHEAR_E_SETTING, NULL, "mock option '%s': \"%s\" is not %s%s",
                           o->name, value, expected(o), o->has_auto ? ", or auto" : "");
     }
-    const int code = check_range(&changed, o, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_range(&changed, o, err));
     *s = changed;
     return SHEAR_OK;
 }

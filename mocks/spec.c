@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spec.h"
 
+#include "base/cleanup.h"
+
 #include "galaxy.h"
 #include "options.h"
 #include "psf.h"
@@ -168,10 +170,7 @@ static int check_file(const shear_mock_spec *s, shear_error *err) {
 int shear_mock_spec_check(const shear_mock_spec *s, shear_error *err) {
     static int (*const checks[])(const shear_mock_spec *, shear_error *) = {
         options_check_ranges, check_geometry, check_galaxy, check_psf, check_noise, check_file};
-    for (size_t i = 0; i < sizeof checks / sizeof *checks; i++) {
-        int code = checks[i](s, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (size_t i = 0; i < sizeof checks / sizeof *checks; i++)
+        TRY(checks[i](s, err));
     return SHEAR_OK;
 }

@@ -112,9 +112,7 @@ static int create(shear_field_writer **w, const shear_mock *m, const char *path,
     const shear_mock_spec *s = shear_mock_get_spec(m);
     const shear_mock_info *info = shear_mock_get_info(m);
     CLEANUP(history_deinit) history h = {0};
-    const int code = history_init(&h, s, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(history_init(&h, s, err));
     shear_field_spec field = {.name = s->field[0] ? s->field : NULL,
                               .pixscale = NAN,
                               .has_truth = true,
@@ -135,9 +133,7 @@ static int create(shear_field_writer **w, const shear_mock *m, const char *path,
 static int write_psfs(shear_field_writer *w, const shear_mock *m, double *image, shear_error *err) {
     for (int64_t i = 0; i < shear_mock_get_info(m)->n_psf; i++) {
         shear_mock_psf_image(m, i, image);
-        const int code = shear_field_write_psf(w, i, image, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(shear_field_write_psf(w, i, image, err));
     }
     return SHEAR_OK;
 }
@@ -145,9 +141,7 @@ static int write_psfs(shear_field_writer *w, const shear_mock *m, double *image,
 static int write_chunk(shear_field_writer *w, const shear_mock *m, chunk *c, int64_t first,
                        int count, int threads, shear_error *err) {
     unsigned columns = columns_of(m);
-    int code = shear_mock_stamps(m, first, count, threads, c->galaxy, c->noise, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_mock_stamps(m, first, count, threads, c->galaxy, c->noise, err));
     for (int i = 0; i < count; i++) {
         c->id[i] = first + i;
         shear_mock_centre(m, first + i, &c->x[i], &c->y[i]);
@@ -167,9 +161,7 @@ static int write_stamps(shear_field_writer *w, const shear_mock *m, chunk *c,
     int64_t n = shear_mock_get_info(m)->n_stamps;
     for (int64_t first = 0; first < n; first += c->capacity) {
         int count = (int)(n - first < c->capacity ? n - first : c->capacity);
-        int code = write_chunk(w, m, c, first, count, o->threads, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(write_chunk(w, m, c, first, count, o->threads, err));
         if (o->progress != NULL && o->progress(o->context, first + count, n) != 0) {
             return shear_fail(err, SHEAR_E_CANCELLED, NULL,
                               "stopped after %lld of %lld mock stamps", (long long)first + count,
@@ -185,13 +177,9 @@ int shear_mock_write(const shear_mock *m, const char *path, const shear_mock_wri
     const shear_mock_write_options *o = options != NULL ? options : &defaults;
     shear_field_writer *w = NULL;
     CLEANUP(chunk_deinit) chunk c = {0};
-    int code = chunk_init(&c, m, o->threads, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = create(&w, m, path, o->overwrite, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = write_psfs(w, m, c.psf, err);
+    TRY(chunk_init(&c, m, o->threads, err));
+    TRY(create(&w, m, path, o->overwrite, err));
+    int code = write_psfs(w, m, c.psf, err);
     code = code != SHEAR_OK ? code : write_stamps(w, m, &c, o, err);
     if (code != SHEAR_OK) {
         shear_field_abort(w);

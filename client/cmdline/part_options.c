@@ -41,9 +41,7 @@ enum exit_code part_options_settle(part_options *o, const command *self, char **
 static int set_part(part_input *p, int i, const char *given, bool absolute, shear_error *err) {
     shear_input_part *part = &p->input.parts[i];
     size_t length = 0;
-    const int code = input_path_hdu(given, part, &length, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(input_path_hdu(given, part, &length, err));
     CLEANUP(release_free) char *file = strndup(given, length);
     if (file == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");

@@ -78,15 +78,13 @@ static void print_report(const mock_options *o, const shear_mock_info *info) {
 
 static int write_field(const mock_options *o, shear_error *err) {
     CLEANUP(shear_mock_release) shear_mock *m = NULL;
-    int code = shear_mock_new(&m, &o->spec, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_mock_new(&m, &o->spec, err));
     progress *bar = o->quiet ? progress_begin_quiet() : progress_begin("mock");
     const shear_mock_write_options how = {.threads = (int)o->threads,
                                           .overwrite = o->force,
                                           .progress = progress_callback,
                                           .context = bar};
-    code = shear_mock_write(m, o->path, &how, err);
+    int code = shear_mock_write(m, o->path, &how, err);
     progress_end(bar);
     if (code != SHEAR_OK)
         return code;

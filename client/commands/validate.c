@@ -39,22 +39,16 @@ static enum exit_code show(const sheard_validation_report *v, bool json) {
  * conclusion. */
 static int look_into(const validate_options *o, shear_field **field, shear_plan **plan,
                      sheard_validation_report *v, shear_error *words) {
-    int code = shear_field_open(field, v->path, words);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_open(field, v->path, words));
     v->field = shear_field_get_info(*field);
-    code = shear_plan_for_field(plan, v->settings, *field, words);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_plan_for_field(plan, v->settings, *field, words));
     v->plan = shear_plan_get_info(*plan);
     progress *bar = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
-    code = field_scan(*field, *plan, bar, v, words);
+    int code = field_scan(*field, *plan, bar, v, words);
     progress_end(bar);
     if (code != SHEAR_OK)
         return code;
-    code = shear_field_need_name(v->field, v->path, words);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_need_name(v->field, v->path, words));
     validation_conclude(v, words);
     return SHEAR_OK;
 }

@@ -109,9 +109,7 @@ static int look_at_stamp(scan_state *s, const shear_stamps *t, int i, unsigned *
     pixel_statistics galaxy = look_at(t->galaxy + (size_t)i * n, n, bad);
     pixel_statistics noise = look_at_noise(t, i, bad);
     shear_row row;
-    int code = shear_examine(s->plan, s->ws, t, i, &row, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_examine(s->plan, s->ws, t, i, &row, err));
     *flags = row.flags;
     if (!has_artefact(row.flags))
         s->v->lowest_pixel = fmin(s->v->lowest_pixel, fmin(galaxy.lowest, noise.lowest));
@@ -143,16 +141,11 @@ static void add_row(scan_state *s, const shear_row *row, int64_t index) {
 static int scan_block(scan_state *s, shear_error *err) {
     const shear_stamps *t = &s->block->stamps;
     unsigned flags[MAX_BLOCK];
-    for (int i = 0; i < t->count; i++) {
-        int code = look_at_stamp(s, t, i, &flags[i], err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (int i = 0; i < t->count; i++)
+        TRY(look_at_stamp(s, t, i, &flags[i], err));
     /* A log method fails for stamps with negative pixels; those are reported instead. */
     if (s->v->negative.count == 0) {
-        int code = shear_measure_batch(s->plan, t, 0, NULL, s->rows, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(shear_measure_batch(s->plan, t, 0, NULL, s->rows, err));
         for (int i = 0; i < t->count; i++) {
             flags[i] |= s->rows[i].flags;
             add_row(s, &s->rows[i], t->first + i);
@@ -180,12 +173,8 @@ static int scan_all(scan_state *s, shear_field *field, progress *bar, shear_erro
     for (int64_t first = 0; first < total; first += s->block->capacity) {
         const int64_t left = total - first;
         const int count = left < s->block->capacity ? (int)left : s->block->capacity;
-        int code = shear_field_read(field, first, count, s->block, err);
-        if (code != SHEAR_OK)
-            return code;
-        code = scan_block(s, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(shear_field_read(field, first, count, s->block, err));
+        TRY(scan_block(s, err));
         if (progress_callback(bar, first + count, total) != 0)
             return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
     }
@@ -194,20 +183,16 @@ static int scan_all(scan_state *s, shear_field *field, progress *bar, shear_erro
 
 static int scan_init(scan_state *s, const shear_field_info *info, shear_error *err) {
     shear_block_sums_init(&s->under_way);
-    int code = shear_field_sums_new(&s->sums, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_block_new(&s->block, info, block_capacity(info), err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_sums_new(&s->sums, err));
+    TRY(shear_block_new(&s->block, info, block_capacity(info), err));
     s->rows = calloc((size_t)s->block->capacity, sizeof *s->rows);
     return s->rows == NULL ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory")
                            : shear_workspace_new(&s->ws, s->plan, err);
 }
 
 static int scan(scan_state *s, shear_field *field, progress *bar, shear_error *err) {
-    const int code = scan_init(s, shear_field_get_info(field), err);
-    return code != SHEAR_OK ? code : scan_all(s, field, bar, err);
+    TRY(scan_init(s, shear_field_get_info(field), err));
+    return scan_all(s, field, bar, err);
 }
 
 static void scan_deinit(scan_state *s) {

@@ -134,10 +134,8 @@ static int64_t count_stamps(const measure_group *g) {
 static int gathering_init(gathering *to, const measure_group *g, const measure_options *o,
                           shear_error *err) {
     const bool wanted = estimators_wanted(count_stamps(g), o->settings.values.estimator);
-    int code = shear_field_sums_new(&to->sums, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = wanted ? shear_symmetry_new(&to->terms, err) : SHEAR_OK;
+    TRY(shear_field_sums_new(&to->sums, err));
+    int code = wanted ? shear_symmetry_new(&to->terms, err) : SHEAR_OK;
     return code != SHEAR_OK || o->jackknife == 0
                ? code
                : shear_jackknife_new(&to->jack, (int)o->jackknife, err);
@@ -164,16 +162,12 @@ static void check_weights(measure_group *g, const shear_symmetry *terms) {
 static int run_all(measure_group *g, const measure_options *o, measure_input **order, size_t *done,
                    shear_error *err) {
     CLEANUP(gathering_deinit) gathering to = {0};
-    int code = gathering_init(&to, g, o, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(gathering_init(&to, g, o, err));
     *done = run_inputs(order, g->n, o, &to);
-    code = shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err));
     if (to.terms != NULL)
         check_weights(g, to.terms);
-    code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
+    int code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
     return code != SHEAR_OK || to.jack == NULL || *done == 0
                ? code
                : shear_jackknife_finish(to.jack, &g->result, err);
@@ -236,9 +230,7 @@ static int measure(measure_group *g, const measure_options *o, size_t *done, she
     memcpy(order, g->inputs, g->n * sizeof(measure_input *));
     if (o->jackknife > 0) {
         qsort(order, g->n, sizeof(measure_input *), by_checksum);
-        const int code = check_blocks(g, (int)o->jackknife, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(check_blocks(g, (int)o->jackknife, err));
     }
     return run_all(g, o, order, done, err);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/measure_input.h"
 
+#include "base/cleanup.h"
+
 #include "terminal/message.h"
 
 #include <stdlib.h>
@@ -9,12 +11,10 @@
 /* Open and check the file. `name` is the name of its field; NULL: the file must contain one. */
 static int look_into(measure_input *input, const char *name, shear_error *err) {
     shear_field *field = NULL;
-    int code = shear_field_open_input(&field, input->source, NULL, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_open_input(&field, input->source, NULL, err));
     input->info = *shear_field_get_info(field);
     shear_field_close(field);
-    code = shear_input_checksum(input->source, NULL, &input->info, input->checksum, err);
+    int code = shear_input_checksum(input->source, NULL, &input->info, input->checksum, err);
     return code != SHEAR_OK || name != NULL
                ? code
                : shear_field_need_name(&input->info, measure_input_path(input), err);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The figure for a result catalog. */
 #include "plot/plot.h"
+
+#include "base/cleanup.h"
 #include "plot/text.h"
 
 #include <inttypes.h>
@@ -122,9 +124,7 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
     char label[PLOT_CELL];
     shear_range r;
     set_terms(c, t, second);
-    const int code = robust_range(&r, c, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(robust_range(&r, c, err));
     snprintf(label, sizeof label,
              "N_{%d} / \xe2\x9f\xa8"
              "D\xe2\x9f\xa9",
@@ -247,12 +247,8 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
         draw_nothing(f, cell, axes.title, "no noise: it has no S/N");
         return SHEAR_OK;
     }
-    int code = shear_range_percentile(&median, c->values, c->n, 50.0, 50.0, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = robust_range(&r, c, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_range_percentile(&median, c->values, c->n, 50.0, 50.0, err));
+    TRY(robust_range(&r, c, err));
     if (shear_range_of(c->values, c->n).lo >= 0.0) {
         r.lo = fmax(r.lo, 0.0); /* no values are below */
     }
@@ -306,11 +302,8 @@ static int draw_shear(shear_figure *f, const shear_grid *grid, const shear_catal
         }
         return SHEAR_OK;
     }
-    for (int i = 0; i < 2; i++) {
-        const int code = draw_terms(f, shear_grid_cell(grid, 0, i, 1, 1), t, i == 1, c, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (int i = 0; i < 2; i++)
+        TRY(draw_terms(f, shear_grid_cell(grid, 0, i, 1, 1), t, i == 1, c, err));
     draw_plane(f, shear_grid_cell(grid, 0, 2, 1, 1), t);
     return SHEAR_OK;
 }
@@ -322,9 +315,7 @@ static int draw_panels(shear_figure *f, const shear_catalog_table *t, column_val
                              .columns = 3,
                              .gap_x = 18.0,
                              .gap_y = 22.0};
-    const int code = draw_shear(f, &grid, t, c, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(draw_shear(f, &grid, t, c, err));
     draw_flags(f, shear_grid_cell(&grid, 1, 0, 1, 1), t);
     draw_summary(f, shear_grid_cell(&grid, 1, 2, 1, 1), t);
     return draw_snr(f, shear_grid_cell(&grid, 1, 1, 1, 1), t, c, err);
@@ -338,10 +329,8 @@ int plot_catalog(shear_figure **figure, const shear_catalog_table *table, shear_
     *figure = NULL;
     if (values == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", table->n);
-    int code = shear_figure_new(&f, WIDTH, HEIGHT, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = draw_panels(f, table, &column, err);
+    TRY(shear_figure_new(&f, WIDTH, HEIGHT, err));
+    int code = draw_panels(f, table, &column, err);
     *figure = code == SHEAR_OK ? CLEANUP_TAKE(f) : NULL;
     return code;
 }

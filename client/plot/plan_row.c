@@ -21,9 +21,7 @@ static int draw_psf(shear_figure *f, shear_rect cell, const stamp_reader *b, con
     plot_lattice lattice = {.nx = g->psf_nx, .ny = g->psf_ny, .step_x = step, .step_y = step};
     CLEANUP(plot_cut_deinit) plot_cut cut = {0};
     plot_core_centre(psf, g->psf_nx, g->psf_ny, &lattice.x0, &lattice.y0);
-    const int code = plot_cut_init(&cut, psf, &lattice, fmax(PSF_REACH * radius, 3.0 * step), err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(plot_cut_init(&cut, psf, &lattice, fmax(PSF_REACH * radius, 3.0 * step), err));
     const double peak = plot_cut_range(&cut).hi;
     const shear_colour white = {1.0, 1.0, 1.0, 1.0};
     shear_image image = sheet_cut_image(cell, "PSF, log scale", &cut);
@@ -40,9 +38,7 @@ static int draw_psf(shear_figure *f, shear_rect cell, const stamp_reader *b, con
 static int draw_transfer(shear_figure *f, shear_rect cell, const stamp_reader *b,
                          const shear_inspection *steps, shear_error *err) {
     CLEANUP(plot_cut_deinit) plot_cut cut = {0};
-    const int code = sheet_cut_modes(&cut, steps->transfer, b, steps, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sheet_cut_modes(&cut, steps->transfer, b, steps, err));
     const shear_range range = plot_cut_range(&cut);
     shear_image image = sheet_cut_image(cell, "transfer T(k), log scale", &cut);
     image.limits = (shear_range){fmax(range.lo, PROFILE_DEPTH * range.hi), range.hi};
@@ -109,9 +105,7 @@ static int draw_profiles(shear_figure *f, shear_rect cell, const stamp_reader *b
                          const sheet_stamp *stamp, shear_error *err) {
     CLEANUP(profiles_deinit) profiles p = {0};
     char label[64];
-    const int code = profiles_init(&p, b, &stamp->steps, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(profiles_init(&p, b, &stamp->steps, err));
     as_parts(p.of[PROFILE_POWER], p.bins);
     as_parts(p.of[PROFILE_TARGET_POWER], p.bins);
     plot_print(label, sizeof label, "|F|^{2} of stamp %" PRId64, stamp->index);
@@ -184,11 +178,9 @@ int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b,
     const shear_grid grid = {
         .area = area, .rows = 1, .columns = 4, .gap_x = 16.0, .column_weights = widths};
     CLEANUP(release_free) double *psf = NULL;
-    int code = stamp_reader_psf(&psf, b, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(stamp_reader_psf(&psf, b, err));
     draw_numbers(f, shear_grid_cell(&grid, 0, 3, 1, 1), b);
-    code = draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err);
+    int code = draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err);
     if (code != SHEAR_OK || !stamp->measured)
         return code;
     code = draw_transfer(f, shear_grid_cell(&grid, 0, 1, 1, 1), b, &stamp->steps, err);

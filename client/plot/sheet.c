@@ -2,6 +2,8 @@
 /* The sheet of a field file: one row per stamp, and the plan below. */
 #include "plot/sheet.h"
 
+#include "base/cleanup.h"
+
 #include "plot/text.h"
 
 #include <inttypes.h>
@@ -25,10 +27,8 @@ static int draw_row(shear_figure *f, stamp_reader *b, const shear_grid *grid, in
     const shear_rect below = {PAD, grid->area.y + grid->area.h + 22.0, WIDTH - 2.0 * PAD,
                               PLAN_ROW - 22.0 - PAD};
     CLEANUP(sheet_stamp_deinit) sheet_stamp stamp = {0};
-    int code = stamp_reader_read(b, index, &stamp, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = sheet_draw_stamp(f, grid, i, b, &stamp, err);
+    TRY(stamp_reader_read(b, index, &stamp, err));
+    int code = sheet_draw_stamp(f, grid, i, b, &stamp, err);
     return code != SHEAR_OK || i > 0 ? code : sheet_draw_plan(f, below, b, &stamp, err);
 }
 
@@ -42,11 +42,8 @@ static int draw_stamps(shear_figure *f, stamp_reader *b, const int64_t *index, i
         .gap_y = ROW_GAP};
     draw_title(f, b);
     sheet_draw_headings(f, &grid, TOP - 38.0, b);
-    for (int i = n - 1; i >= 0; i--) {
-        const int code = draw_row(f, b, &grid, i, index[i], err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (int i = n - 1; i >= 0; i--)
+        TRY(draw_row(f, b, &grid, i, index[i], err));
     return SHEAR_OK;
 }
 
@@ -57,16 +54,10 @@ int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *op
     int64_t index[PLOT_MAX_STAMPS];
     int n = 0;
     *figure = NULL;
-    int code = stamp_reader_init(&b, field, options->settings, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = stamp_reader_choose(&b, options, index, &n, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_figure_new(&f, WIDTH, TOP + n * STAMP_ROW + (n - 1) * ROW_GAP + PLAN_ROW, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = draw_stamps(f, &b, index, n, err);
+    TRY(stamp_reader_init(&b, field, options->settings, err));
+    TRY(stamp_reader_choose(&b, options, index, &n, err));
+    TRY(shear_figure_new(&f, WIDTH, TOP + n * STAMP_ROW + (n - 1) * ROW_GAP + PLAN_ROW, err));
+    int code = draw_stamps(f, &b, index, n, err);
     *figure = code == SHEAR_OK ? CLEANUP_TAKE(f) : NULL;
     return code;
 }

@@ -97,10 +97,8 @@ void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y, cons
 static int galaxy_scale(shear_image *image, const sheet_stamp *stamp, size_t n, shear_error *err) {
     shear_range noise;
     image->stretch = SHEAR_ASINH;
-    int code = shear_range_percentile(&image->limits, stamp->galaxy, n, 1.0, 100.0, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_range_percentile(&noise, stamp->noise, n, 16.0, 84.0, err);
+    TRY(shear_range_percentile(&image->limits, stamp->galaxy, n, 1.0, 100.0, err));
+    int code = shear_range_percentile(&noise, stamp->noise, n, 16.0, 84.0, err);
     image->knee = noise.hi - noise.lo; /* 2 sigma; automatic if it is 0 or NaN (no noise) */
     return code;
 }
@@ -122,9 +120,7 @@ static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const s
     shear_image noise = image;
     noise.cell = shear_grid_cell(grid, row, 1, 1, 1);
     noise.pixels = stamp->noise;
-    const int code = galaxy_scale(&image, stamp, (size_t)g->nx * (size_t)g->ny, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(galaxy_scale(&image, stamp, (size_t)g->nx * (size_t)g->ny, err));
     draw_image(f, &image);
     draw_image(f, &noise);
     if (stamp->measured) {
@@ -143,9 +139,7 @@ static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const s
 static int draw_modes(shear_figure *f, shear_rect cell, const stamp_reader *b, const double *modes,
                       const shear_inspection *steps, shear_error *err) {
     CLEANUP(plot_cut_deinit) plot_cut cut = {0};
-    const int code = sheet_cut_modes(&cut, modes, b, steps, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sheet_cut_modes(&cut, modes, b, steps, err));
     const double peak = plot_cut_range(&cut).hi;
     shear_image image = sheet_cut_image(cell, NULL, &cut);
     image.limits = (shear_range){POWER_DEPTH * peak, peak};
@@ -187,8 +181,6 @@ int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const sta
         draw_flags(f, shear_grid_cell(grid, row, 2, 1, 4), stamp->row.flags);
         return code;
     }
-    code = draw_modes(f, shear_grid_cell(grid, row, 4, 1, 1), b, steps->power, steps, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(draw_modes(f, shear_grid_cell(grid, row, 4, 1, 1), b, steps->power, steps, err));
     return draw_modes(f, shear_grid_cell(grid, row, 5, 1, 1), b, steps->target_power, steps, err);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "plot/stamps.h"
 
+#include "base/cleanup.h"
+
 #include "shear/run.h"
 
 #include <inttypes.h>
@@ -13,12 +15,10 @@ enum { MAX_TRIES = 64 };
 int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,
                       shear_error *err) {
     *b = (stamp_reader){.field = field, .info = shear_field_get_info(field)};
-    int code = shear_plan_for_field(&b->plan, settings, field, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_plan_for_field(&b->plan, settings, field, err));
     b->chosen = shear_plan_get_info(b->plan);
-    code = shear_workspace_new(&b->ws, b->plan, err);
-    return code != SHEAR_OK ? code : shear_block_new(&b->block, b->info, 1, err);
+    TRY(shear_workspace_new(&b->ws, b->plan, err));
+    return shear_block_new(&b->block, b->info, 1, err);
 }
 
 void stamp_reader_deinit(stamp_reader *b) {
@@ -29,8 +29,8 @@ void stamp_reader_deinit(stamp_reader *b) {
 }
 
 static int measure(stamp_reader *b, int64_t index, shear_row *row, shear_error *err) {
-    const int code = shear_field_read(b->field, index, 1, b->block, err);
-    return code != SHEAR_OK ? code : shear_measure(b->plan, b->ws, &b->block->stamps, 0, row, err);
+    TRY(shear_field_read(b->field, index, 1, b->block, err));
+    return shear_measure(b->plan, b->ws, &b->block->stamps, 0, row, err);
 }
 
 /* Find a usable stamp of [first, end): start at the middle, continue to the end, then from the
@@ -42,9 +42,7 @@ static int find_usable(stamp_reader *b, int64_t first, int64_t end, int64_t *fou
     for (int64_t try = 0; try < length && try < MAX_TRIES; try++) {
         const int64_t index = first + (length / 2 + try) % length;
         shear_row row;
-        const int code = measure(b, index, &row, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(measure(b, index, &row, err));
         if (row.flags == 0) {
             *found = index;
             break;
@@ -74,10 +72,8 @@ int stamp_reader_choose(stamp_reader *b, const plot_options *options,
     const int parts = (int)(total < options->n_stamps ? total : options->n_stamps);
     for (int k = 0; k < parts; k++) {
         int64_t found = -1;
-        const int code = find_usable(b, part_start(total, parts, k),
-                                     part_start(total, parts, k + 1), &found, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(find_usable(b, part_start(total, parts, k), part_start(total, parts, k + 1), &found,
+                        err));
         if (found >= 0)
             index[(*n)++] = found;
     }

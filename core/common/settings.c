@@ -2,6 +2,8 @@
 /* Set and format settings by name and as text. */
 #include "shear/settings.h"
 
+#include "base/cleanup.h"
+
 #include "base/spelling.h"
 #include "base/text.h"
 
@@ -101,9 +103,7 @@ static int set_double(double *value, const shear_setting_def *def, const char *t
 static int set_preset(shear_settings *s, const shear_setting_def *def, const char *text,
                       shear_error *err) {
     int preset = SHEAR_PRESET_DEFAULT;
-    const int code = set_choice(&preset, def, text, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(set_choice(&preset, def, text, err));
     apply_preset(s, (enum shear_preset)preset);
     return SHEAR_OK;
 }

@@ -2,6 +2,8 @@
 /* Check that each setting is in its range and that they do not contradict each other. */
 #include "shear/settings.h"
 
+#include "base/cleanup.h"
+
 #include <math.h>
 
 static bool is_power_of_two(int n) {
@@ -94,10 +96,7 @@ static int check_methods(const shear_settings *s, shear_error *err) {
 int shear_settings_check(const shear_settings *s, shear_error *err) {
     static int (*const checks[])(const shear_settings *, shear_error *) = {
         check_ranges, check_oversample, check_filter, check_methods};
-    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
-        const int code = checks[i](s, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++)
+        TRY(checks[i](s, err));
     return SHEAR_OK;
 }

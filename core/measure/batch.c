@@ -53,10 +53,7 @@ int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int 
     own.each = calloc((size_t)team, sizeof(shear_workspace *));
     if (own.each == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d workspaces", team);
-    for (int i = 0; i < team; i++) {
-        const int code = shear_workspace_new(&own.each[i], plan, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (int i = 0; i < team; i++)
+        TRY(shear_workspace_new(&own.each[i], plan, err));
     return measure_blocks(plan, stamps, team, own.each, rows, err);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/field_sums.h"
 
+#include "base/cleanup.h"
+
 #include "base/text.h"
 #include "common/release.h"
 
@@ -206,9 +208,7 @@ static const char *read_text(shear_field_sums *f, bool old, char *rest) {
 static int parse_rest(shear_field_sums **out, bool old, const char *text, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *f = NULL;
     CLEANUP(release_free) char *copy = strdup(text);
-    const int code = shear_field_sums_new(&f, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_sums_new(&f, err));
     if (copy == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
     const char *wrong = read_text(f, old, copy);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* All steps of one pair's measurement as images: shear_inspect(). */
 #include "measure/internal.h"
+
+#include "base/cleanup.h"
 #include "measure/moments.h"
 
 #include <assert.h>
@@ -129,9 +131,7 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     const transfer_plan *p = &plan->transfer_plan;
     shear_row row;
     *out = (shear_inspection){0};
-    const int code = shear_measure(plan, ws, stamps, i, &row, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_measure(plan, ws, stamps, i, &row, err));
     if (row.flags != 0) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "stamp %lld is flagged (0x%x) and cannot be shown",

@@ -2,6 +2,8 @@
 /* Errors of a field's shear from leaving out groups of its blocks in turn. */
 #include "shear/sums.h"
 
+#include "base/cleanup.h"
+
 #include "base/array.h"
 
 #include <math.h>
@@ -47,9 +49,7 @@ static int reserve(shear_jackknife *j, size_t n, shear_error *err) {
 }
 
 int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err) {
-    const int code = reserve(j, j->n + 1, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(reserve(j, j->n + 1, err));
     component_sums *p = &j->blocks[j->n++];
     for (int i = 0; i < SHEAR_N_COMPONENTS; i++)
         p->x[i] = b->hi[SHEAR_S_COMPONENT + i] + b->lo[SHEAR_S_COMPONENT + i];

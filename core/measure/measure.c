@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measure one stamp pair, from pixels to its row: flags, transform, moments, terms. */
 #include "measure/artefact.h"
+
+#include "base/cleanup.h"
 #include "measure/internal.h"
 #include "measure/photometry.h"
 #include "measure/row.h"
@@ -316,9 +318,7 @@ int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamp
 
 int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err) {
-    const int code = check_shape(plan, stamps, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_shape(plan, stamps, err));
     stamp_pair s = stamp_pair_at(stamps, i);
     row_begin(row, stamps, i);
     ws->sharpness_of = NULL;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/internal.h"
 
+#include "base/cleanup.h"
+
 #include "common/release.h"
 #include "measure/memory.h"
 
@@ -82,9 +84,7 @@ static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) 
         !transfer_scratch_init(&scratch, &plan->transfer_plan)) {
         return out_of_memory(err);
     }
-    const int code = transfer_make(&plan->transfer, &plan->transfer_plan, &scratch, psf, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(transfer_make(&plan->transfer, &plan->transfer_plan, &scratch, psf, err));
     plan->has_psf = true;
     plan->info.k_cut = plan->transfer.k_cut;
     plan->flat = moments_of_flat(&plan->transfer_plan, &plan->transfer);
@@ -112,16 +112,12 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
         return out_of_memory(err);
     plan->settings = plan_settings(request);
     int psf_factor = 1;
-    int code = plan_resolve(&plan->info, &plan->settings, request, &psf_factor, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(plan_resolve(&plan->info, &plan->settings, request, &psf_factor, err));
     if (!make_grids(plan, psf_factor) || !make_filter(plan) || !make_high_band(plan) ||
         !make_plateau(plan)) {
         return out_of_memory(err);
     }
-    code = request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
     *out = CLEANUP_TAKE(plan);
     return SHEAR_OK;

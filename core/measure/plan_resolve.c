@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Resolve what the settings leave open, from the geometry, the PSF and the galaxies. */
 #include "measure/filter.h"
+
+#include "base/cleanup.h"
 #include "measure/internal.h"
 
 #include <math.h>
@@ -196,18 +198,10 @@ static int resolve_radii(const shear_settings *set, shear_plan_info *info,
 int plan_resolve(shear_plan_info *info, const shear_settings *set,
                  const shear_plan_request *request, int *psf_factor, shear_error *err) {
     info->geometry = request->geometry;
-    int code = shear_settings_check(set, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = check_geometry(&info->geometry, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = resolve_radii(set, info, request, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = resolve_sampling(set, info, psf_factor, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_settings_check(set, err));
+    TRY(check_geometry(&info->geometry, err));
+    TRY(resolve_radii(set, info, request, err));
+    TRY(resolve_sampling(set, info, psf_factor, err));
     info->noise_band = resolve_noise_band(set, info);
     return resolve_filter(set, info, request, err);
 }

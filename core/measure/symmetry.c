@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/symmetry.h"
 
+#include "base/cleanup.h"
+
 #include "base/array.h"
 #include "measure/block_sums.h"
 
@@ -46,9 +48,7 @@ int shear_symmetry_add(shear_symmetry *s, const shear_row *row, double beta_px, 
     const bool finite = isfinite(t.n1 + t.n2 + t.d) && isfinite(t.u + t.v);
     if (row->flags != 0 || !block_terms(row, sums) || !finite)
         return SHEAR_OK;
-    const int code = reserve(s, 1, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(reserve(s, 1, err));
     s->stamps[s->n++] = t;
     return SHEAR_OK;
 }
@@ -120,9 +120,7 @@ int shear_symmetry_add_bytes(shear_symmetry *s, const unsigned char *bytes, size
                              shear_error *err) {
     const size_t n = size / SHEAR_SYMMETRY_BYTES;
     bool good = size % SHEAR_SYMMETRY_BYTES == 0;
-    const int code = good ? reserve(s, n, err) : SHEAR_OK;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(good ? reserve(s, n, err) : SHEAR_OK);
     for (size_t i = 0; i < n && good; i++)
         good = read_terms(bytes + i * SHEAR_SYMMETRY_BYTES, &s->stamps[s->n + i]);
     if (!good) {

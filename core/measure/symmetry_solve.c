@@ -97,9 +97,7 @@ static int covariance(symmetry_solver *v, double *cov12, shear_error *err) {
 static int solve(symmetry_solver *v, shear_result *out, shear_error *err) {
     if (!set_weights(v) || !begin(v) || !alternate(v))
         return SHEAR_OK;
-    const int code = covariance(v, &out->cov12, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(covariance(v, &out->cov12, err));
     out->valid = true;
     out->g1 = v->components[0].g;
     out->g2 = v->components[1].g;
@@ -134,10 +132,8 @@ int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, 
     if (most == 0)
         return SHEAR_OK;
     CLEANUP(symmetry_solver_deinit) symmetry_solver v;
-    int code = symmetry_solver_init(&v, s, (int)(wanted < most ? wanted : most), shape, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = solve(&v, out, err);
+    TRY(symmetry_solver_init(&v, s, (int)(wanted < most ? wanted : most), shape, err));
+    int code = solve(&v, out, err);
     out->why = out->valid ? SHEAR_HAS_SHEAR : SHEAR_NO_SYMMETRY;
     return code;
 }
@@ -155,9 +151,7 @@ int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
         return SHEAR_OK;
     symmetric = *out;
     const noise_shape shape = noise_shape_of(sums);
-    const int code = symmetry_solve(terms, 0, &shape, &symmetric, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(symmetry_solve(terms, 0, &shape, &symmetric, err));
     *out = symmetric;
     out->estimator = estimator;
     return SHEAR_OK;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/transfer.h"
 
+#include "base/cleanup.h"
+
 #include "base/simd.h"
 #include "shear/psf.h"
 
@@ -239,9 +241,7 @@ static int load_psf(const transfer_plan *p, transfer_scratch *scratch, const dou
                     shear_error *err) {
     int bad_x;
     int bad_y;
-    const int code = shear_psf_usable(psf, p->psf_nx, p->psf_ny, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_psf_usable(psf, p->psf_nx, p->psf_ny, err));
     if (!surface_load(&scratch->image, &p->grid, psf, &bad_x, &bad_y)) {
         return shear_fail(
             err, SHEAR_E_NEGATIVE,
@@ -264,14 +264,10 @@ static int check_beta(const transfer_plan *p, double k_cut, shear_error *err) {
 
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
                   shear_error *err) {
-    int code = load_psf(p, scratch, psf, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(load_psf(p, scratch, psf, err));
     transfer_find_power(p, scratch);
     t->k_cut = find_cut(p, scratch);
-    code = check_beta(p, t->k_cut, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_beta(p, t->k_cut, err));
     t->jx = last_mode(t->k_cut, p->nx, p->max_jx);
     t->jy = last_mode(t->k_cut, p->ny, p->max_jy);
     fill_table(t, p, scratch);

@@ -2,6 +2,8 @@
 /* Measure arrays in the caller's memory like a field file, with the same plan, work and sums. */
 #include "shear/arrays.h"
 
+#include "base/cleanup.h"
+
 #include "common/release.h"
 #include "run/images.h"
 #include "run/team.h"
@@ -98,10 +100,9 @@ static shear_field_info info_of(const shear_arrays *in) {
 
 static int init_images(array_source *s, shear_error *err) {
     const shear_geometry *g = &s->info.geometry;
-    int code = images_init(&s->galaxy, &s->in->galaxy, 1, g->nx, g->ny, "galaxy", err);
-    if (code != SHEAR_OK)
-        return code;
-    code = images_init(&s->noise, &s->in->noise, s->info.noise_planes, g->nx, g->ny, "noise", err);
+    TRY(images_init(&s->galaxy, &s->in->galaxy, 1, g->nx, g->ny, "galaxy", err));
+    int code =
+        images_init(&s->noise, &s->in->noise, s->info.noise_planes, g->nx, g->ny, "noise", err);
     return code != SHEAR_OK
                ? code
                : images_init(&s->psf, &s->in->psf, 1, g->psf_nx, g->psf_ny, "PSF", err);
@@ -117,21 +118,16 @@ static int init_slots(array_source *s, int threads, int capacity, shear_error *e
     if (s->slots == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d threads", threads);
     s->n_slots = threads;
-    for (int i = 0; i < threads && !all_plain(s); i++) {
-        const int code = shear_block_new(&s->slots[i].copies, &s->info, capacity, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (int i = 0; i < threads && !all_plain(s); i++)
+        TRY(shear_block_new(&s->slots[i].copies, &s->info, capacity, err));
     return SHEAR_OK;
 }
 
 static int array_source_init(array_source *s, const shear_arrays *in, shear_error *err) {
     *s = (array_source){.in = in, .info = info_of(in)};
-    int code = check_geometry(&in->geometry, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = check_counts(&s->info, in, err);
-    return code != SHEAR_OK ? code : init_images(s, err);
+    TRY(check_geometry(&in->geometry, err));
+    TRY(check_counts(&s->info, in, err));
+    return init_images(s, err);
 }
 
 static void array_source_deinit(array_source *s) {
@@ -218,12 +214,10 @@ static int make_plan(shear_plan **plan, array_source *s, const shear_settings *s
     const shear_psf_source psfs = {.self = s, .read = read_psf};
     const shear_source stamps = {.self = s, .read = read_arrays};
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
-    int code = shear_plan_request_read(&request, settings, &s->info, psfs, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_plan_request_sample(&request, &s->info, stamps,
-                                     capacity < SHEAR_BLOCK ? capacity : SHEAR_BLOCK, err);
-    return code != SHEAR_OK ? code : shear_plan_new(plan, &request, err);
+    TRY(shear_plan_request_read(&request, settings, &s->info, psfs, err));
+    TRY(shear_plan_request_sample(&request, &s->info, stamps,
+                                  capacity < SHEAR_BLOCK ? capacity : SHEAR_BLOCK, err));
+    return shear_plan_new(plan, &request, err);
 }
 
 static int keep_rows(void *self, int64_t first, int count, const shear_row *rows,
@@ -240,11 +234,9 @@ static int keep_rows(void *self, int64_t first, int count, const shear_row *rows
 static int jackknife_errors(int groups, const shear_jackknife *blocks, shear_result *result,
                             shear_error *err) {
     CLEANUP(shear_jackknife_release) shear_jackknife *jackknife = NULL;
-    int code = shear_jackknife_new(&jackknife, groups, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_jackknife_join(jackknife, blocks, err);
-    return code != SHEAR_OK ? code : shear_jackknife_finish(jackknife, result, err);
+    TRY(shear_jackknife_new(&jackknife, groups, err));
+    TRY(shear_jackknife_join(jackknife, blocks, err));
+    return shear_jackknife_finish(jackknife, result, err);
 }
 
 static int measure_planned(shear_result *result, array_source *s, const shear_plan *plan,
@@ -262,14 +254,9 @@ static int measure_planned(shear_result *result, array_source *s, const shear_pl
         .context = options->context};
     shear_result found;
     CLEANUP(team_sums_deinit) team_sums sums = {0};
-    int code = team_measure(&job, &sums, &found, err);
-    if (code != SHEAR_OK)
-        return code;
-    if (options->jackknife != 0) {
-        code = jackknife_errors(options->jackknife, sums.jackknife, &found, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    TRY(team_measure(&job, &sums, &found, err));
+    if (options->jackknife != 0)
+        TRY(jackknife_errors(options->jackknife, sums.jackknife, &found, err));
     if (options->sums != NULL)
         shear_field_sums_join(options->sums, sums.sums);
     *result = found;
@@ -283,20 +270,12 @@ int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
     const shear_arrays_options *o = options != NULL ? options : &defaults;
     CLEANUP(shear_plan_release) shear_plan *plan = NULL;
     CLEANUP(array_source_deinit) array_source source;
-    int code = array_source_init(&source, arrays, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(array_source_init(&source, arrays, err));
     const int threads = team_threads(o->threads);
     const shear_unit_size size = shear_unit_size_for(&source.info, threads);
-    code = init_slots(&source, threads, size.stamps, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = make_plan(&plan, &source, settings, size.stamps, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = measure_planned(result, &source, plan, size, o, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(init_slots(&source, threads, size.stamps, err));
+    TRY(make_plan(&plan, &source, settings, size.stamps, err));
+    TRY(measure_planned(result, &source, plan, size, o, err));
     if (o->plan != NULL)
         *o->plan = *shear_plan_get_info(plan);
     return SHEAR_OK;

@@ -17,9 +17,7 @@ static int look_at_some(shear_psf_source psfs, const shear_field_info *info, dou
     const int64_t tries = info->n_psf < MAX_PSFS_FOR_RADIUS ? info->n_psf : MAX_PSFS_FOR_RADIUS;
     shear_error why = {0};
     for (int64_t i = 0; i < tries; i++) {
-        const int code = psfs.read(psfs.self, i * info->n_psf / tries, psf, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(psfs.read(psfs.self, i * info->n_psf / tries, psf, err));
         const bool usable = shear_psf_examine(&each[request->n_psfs], psf, g->psf_nx, g->psf_ny,
                                               g->psf_oversample, &why) == SHEAR_OK;
         request->n_psfs += usable;
@@ -103,9 +101,7 @@ int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shea
     const shear_psf_source psfs = {.self = field, .read = read_from_file};
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
     *plan = NULL;
-    int code = shear_plan_request_read(&request, settings, info, psfs, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = sample_file(&request, field, err);
-    return code != SHEAR_OK ? code : shear_plan_new(plan, &request, err);
+    TRY(shear_plan_request_read(&request, settings, info, psfs, err));
+    TRY(sample_file(&request, field, err));
+    return shear_plan_new(plan, &request, err);
 }

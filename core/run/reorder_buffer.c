@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run/reorder_buffer.h"
 
+#include "base/cleanup.h"
+
 #include "base/array.h"
 
 #include <assert.h>
@@ -46,8 +48,8 @@ static int sum_next(reorder_buffer *b, const block_result *r, shear_error *err) 
 static int copy_terms(shear_symmetry **copy, const shear_symmetry *terms, shear_error *err) {
     if (terms == NULL)
         return SHEAR_OK;
-    const int code = shear_symmetry_new(copy, err);
-    return code != SHEAR_OK ? code : shear_symmetry_join(*copy, terms, 0, err);
+    TRY(shear_symmetry_new(copy, err));
+    return shear_symmetry_join(*copy, terms, 0, err);
 }
 
 static int keep_early(reorder_buffer *b, const block_result *r, shear_error *err) {
@@ -89,6 +91,6 @@ int reorder_buffer_add(reorder_buffer *b, const block_result *r, shear_error *er
     assert(r->block >= b->next_block);
     if (r->block != b->next_block)
         return keep_early(b, r, err);
-    const int code = sum_next(b, r, err);
-    return code != SHEAR_OK ? code : sum_early(b, err);
+    TRY(sum_next(b, r, err));
+    return sum_early(b, err);
 }

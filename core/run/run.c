@@ -2,6 +2,8 @@
 /* Measure one field file with a team of OpenMP threads: shear_run_file(). */
 #include "shear/run.h"
 
+#include "base/cleanup.h"
+
 #include "base/clock.h"
 #include "common/release.h"
 #include "run/file_source.h"
@@ -68,9 +70,7 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
     const shear_field_info *info = shear_field_get_info(field);
     const int threads = team_threads(options->threads);
     const shear_unit_size size = shear_unit_size_for(info, threads);
-    int code = run_init(r, field, settings, options, threads, size.stamps, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(run_init(r, field, settings, options, threads, size.stamps, err));
     const team_job job = {
         .info = info,
         .plan = r->plan,
@@ -83,7 +83,7 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
         .progress = options->progress,
         .context = options->context};
     report->plan = *shear_plan_get_info(r->plan);
-    code = team_measure(&job, &r->sums, &report->result, err);
+    int code = team_measure(&job, &r->sums, &report->result, err);
     return code != SHEAR_OK || r->catalog == NULL
                ? code
                : finish_catalog(CLEANUP_TAKE(r->catalog), r->plan, &report->result, input, info,
@@ -94,11 +94,9 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
 static int join_caller(const team_sums *own, shear_field_sums *sums, shear_symmetry *terms,
                        shear_jackknife *jack, shear_error *err) {
     const size_t before = terms != NULL ? shear_symmetry_count(terms) : 0;
-    int code = terms != NULL && own->terms != NULL ? shear_symmetry_join(terms, own->terms, 0, err)
-                                                   : SHEAR_OK;
-    if (code != SHEAR_OK)
-        return code;
-    code = jack != NULL ? shear_jackknife_join(jack, own->jackknife, err) : SHEAR_OK;
+    TRY(terms != NULL && own->terms != NULL ? shear_symmetry_join(terms, own->terms, 0, err)
+                                            : SHEAR_OK);
+    int code = jack != NULL ? shear_jackknife_join(jack, own->jackknife, err) : SHEAR_OK;
     if (code != SHEAR_OK) {
         if (terms != NULL)
             shear_symmetry_truncate(terms, before);
@@ -121,11 +119,9 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
     const double start = clock_s(CLOCK_MONOTONIC);
     CLEANUP(shear_field_release) shear_field *field = NULL;
     CLEANUP(run_deinit) run r = {0};
-    int code = shear_field_open_input(&field, input, NULL, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_open_input(&field, input, NULL, err));
     report->field = *shear_field_get_info(field);
-    code = run_field(&r, input, field, settings, o, jack != NULL, report, err);
+    int code = run_field(&r, input, field, settings, o, jack != NULL, report, err);
     code = code != SHEAR_OK ? code : join_caller(&r.sums, sums, o->terms, jack, err);
     report->seconds = clock_s(CLOCK_MONOTONIC) - start;
     if (code != SHEAR_OK && err != NULL && strstr(err->message, name_of(input)) == NULL)

@@ -26,9 +26,7 @@ static int read_sampled(reach *r, shear_source source, int64_t first, int64_t en
     const shear_block *block = NULL;
     for (; first < end; first += capacity) {
         const int count = end - first < capacity ? (int)(end - first) : capacity;
-        const int code = source.read(source.self, 0, first, count, &block, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(source.read(source.self, 0, first, count, &block, err));
         add_stamps(r, &block->stamps);
     }
     return SHEAR_OK;
@@ -58,15 +56,11 @@ int shear_plan_request_sample(shear_plan_request *request, const shear_field_inf
     shear_plan_radii radii;
     if (!shear_plan_wants_core(request))
         return SHEAR_OK;
-    int code = shear_plan_find_radii(&radii, request, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_plan_find_radii(&radii, request, err));
     CLEANUP(reach_deinit) reach r;
     if (!reach_init(&r, g->nx, g->ny, MAX_SAMPLED_BLOCKS * SHEAR_BLOCK))
         return out_of_memory(err);
-    code = read_sample(&r, info, source, capacity, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(read_sample(&r, info, source, capacity, err));
     return reach_core(&r, radii.r_psf_px, radii.beta_px, radii.width_px, &request->core_px)
                ? SHEAR_OK
                : out_of_memory(err);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run/team.h"
 
+#include "base/cleanup.h"
+
 #include "common/release.h"
 
 #include <omp.h>
@@ -58,14 +60,9 @@ static int sums_init(team_sums *out, const team_job *job, shear_error *err) {
     const bool symmetric =
         shear_estimator_is_symmetric(shear_plan_get_settings(job->plan)->estimator);
     *out = (team_sums){0};
-    int code = shear_field_sums_new(&out->sums, err);
-    if (code != SHEAR_OK)
-        return code;
-    if (job->terms || symmetric) {
-        code = shear_symmetry_new(&out->terms, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    TRY(shear_field_sums_new(&out->sums, err));
+    if (job->terms || symmetric)
+        TRY(shear_symmetry_new(&out->terms, err));
     return job->jackknife ? shear_jackknife_new(&out->jackknife, 2, err) : SHEAR_OK;
 }
 
@@ -86,19 +83,15 @@ static int measure(const team_job *job, team_sums *out, shear_result *result, sh
                                   .terms = out->terms != NULL};
     CLEANUP(shear_work_release) shear_work *work = NULL;
     int64_t blocks = 0;
-    int code = shear_work_new(&work, &spec, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = run_team(job, work, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_work_join_terms(work, out->sums, 0, out->terms, &blocks, err);
+    TRY(shear_work_new(&work, &spec, err));
+    TRY(run_team(job, work, err));
+    int code = shear_work_join_terms(work, out->sums, 0, out->terms, &blocks, err);
     return code != SHEAR_OK ? code
                             : shear_estimate(shear_plan_get_settings(job->plan)->estimator,
                                              out->sums, out->terms, result, err);
 }
 
 int team_measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err) {
-    const int code = sums_init(out, job, err);
-    return code != SHEAR_OK ? code : measure(job, out, result, err);
+    TRY(sums_init(out, job, err));
+    return measure(job, out, result, err);
 }

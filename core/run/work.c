@@ -6,6 +6,8 @@
  * briefly only, so that a status request or a stop never waits for a disk. */
 #include "shear/work.h"
 
+#include "base/cleanup.h"
+
 #include "common/release.h"
 #include "run/reorder_buffer.h"
 
@@ -82,10 +84,8 @@ int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *e
     work->n_blocks = (spec->info->n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
     work->next_block = spec->first_block;
     work->done = spec->first_block * SHEAR_BLOCK;
-    const int code = reorder_buffer_init(&work->summed, spec->first_block, wants_terms(spec),
-                                         spec->jackknife, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(reorder_buffer_init(&work->summed, spec->first_block, wants_terms(spec), spec->jackknife,
+                            err));
     *out = CLEANUP_TAKE(work);
     return SHEAR_OK;
 }
@@ -213,15 +213,11 @@ static int begin_terms(const shear_work *work, shear_worker *worker, shear_error
 static int measure_stamps(shear_work *work, shear_worker *worker, const work_unit *u, int64_t first,
                           int count, shear_error *err) {
     const shear_block *block = NULL;
-    int code = read_stamps(work, worker, first, count, &block, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_measure_range(work->spec.plan, worker->ws, &block->stamps, 0, count, worker->rows,
-                               err);
-    if (code != SHEAR_OK)
-        return code;
-    code = write_rows(work, worker, block, first, count, err);
-    return code != SHEAR_OK ? code : sum_rows(worker, u, work->spec.plan, first, count, err);
+    TRY(read_stamps(work, worker, first, count, &block, err));
+    TRY(shear_measure_range(work->spec.plan, worker->ws, &block->stamps, 0, count, worker->rows,
+                            err));
+    TRY(write_rows(work, worker, block, first, count, err));
+    return sum_rows(worker, u, work->spec.plan, first, count, err);
 }
 
 static int measure_unit(shear_work *work, shear_worker *worker, const work_unit *u,
@@ -260,8 +256,8 @@ static void record_failure(shear_work *work, const work_unit *u, int code,
 
 static int finish_unit(shear_work *work, shear_worker *worker, const work_unit *u,
                        shear_error *err) {
-    const int code = measure_unit(work, worker, u, err);
-    return code != SHEAR_OK ? code : hand_over(work, worker, u, err);
+    TRY(measure_unit(work, worker, u, err));
+    return hand_over(work, worker, u, err);
 }
 
 bool shear_work_step(shear_work *work, shear_worker *worker) {

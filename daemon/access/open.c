@@ -2,8 +2,10 @@
 /* Open a file that a client has named, with the client's permissions, and refuse it outside the
  * data roots. */
 #include "access/beneath.h"
+
 #include "access/roots.h"
 #include "access/walk.h"
+#include "base/cleanup.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -145,11 +147,8 @@ static int try_roots(const access_roots *roots, bool by_name, request *r, int *f
 /* Return ACCESS_E_ROOT if a root that the path is beneath is missing. */
 static int check_roots_of(const access_roots *roots, const char *path, shear_error *err) {
     for (size_t i = 0; i < roots->n; i++) {
-        if (path_beneath(path, roots->names[i]) != NULL) {
-            const int code = access_root_check(roots->names[i], err);
-            if (code != SHEAR_OK)
-                return code;
-        }
+        if (path_beneath(path, roots->names[i]) != NULL)
+            TRY(access_root_check(roots->names[i], err));
     }
     return SHEAR_OK;
 }

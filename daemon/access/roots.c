@@ -62,11 +62,8 @@ int access_root_check(const char *path, shear_error *err) {
 }
 
 int access_roots_check(const access_roots *roots, shear_error *err) {
-    for (size_t i = 0; i < roots->n; i++) {
-        const int code = access_root_check(roots->names[i], err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (size_t i = 0; i < roots->n; i++)
+        TRY(access_root_check(roots->names[i], err));
     return SHEAR_OK;
 }
 

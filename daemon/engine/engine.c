@@ -99,9 +99,7 @@ int engine_new(engine **out, const engine_options *options, shear_error *err) {
     if (e->program == NULL || e->scratch == NULL || e->threads == NULL || e->plans == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
     engine_limit_readers(e, &options->limits);
-    const int code = start_workers(e, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(start_workers(e, err));
     *out = CLEANUP_TAKE(e);
     return SHEAR_OK;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measure a job: resume it from a checkpoint, and do one unit of its work. */
 #include "base/clock.h"
+
+#include "base/cleanup.h"
 #include "engine/internal.h"
 
 static int write_rows(void *self, int64_t first, int count, const shear_row *rows,
@@ -60,9 +62,7 @@ static int read_sums_before(job *j, int64_t *first_block, shear_error *err) {
     *first_block = 0;
     if (j->first_block == 0)
         return SHEAR_OK;
-    const int code = shear_field_sums_parse(&j->before, j->sums_before, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_sums_parse(&j->before, j->sums_before, err));
     shear_field_result(j->before, &r);
     const bool whole =
         j->terms_before != NULL && (int64_t)shear_symmetry_count(j->terms_before) == r.n_used;
@@ -80,8 +80,8 @@ static void forget_before(job *j) {
 
 /* Load the checkpoint and open the catalog. *first_block is where the work begins. */
 static int resume(job *j, int64_t *first_block, shear_error *err) {
-    const int code = read_sums_before(j, first_block, err);
-    return code != SHEAR_OK ? code : open_catalog(j, first_block, err);
+    TRY(read_sums_before(j, first_block, err));
+    return open_catalog(j, first_block, err);
 }
 
 int job_begin(job *j, shear_error *err) {

@@ -16,9 +16,7 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
     job *j = self;
     const shear_geometry *g = &reader_get_info(j->reader)->geometry;
     const double *psf = NULL;
-    const int code = reader_read_psf(j->reader, index, &psf, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(reader_read_psf(j->reader, index, &psf, err));
     memcpy(out, psf, (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *out);
     return SHEAR_OK;
 }
@@ -67,17 +65,11 @@ static int reserve(job *j, int64_t bytes, shear_error *err) {
 static int plan_within_budget(job *j, const shear_plan_request *request, shear_error *err) {
     plan_cache *plans = j->engine->plans;
     shear_memory memory;
-    int code = shear_plan_memory(&memory, request, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_plan_memory(&memory, request, err));
     const int64_t planning = memory.plan + memory.planning;
     for (int64_t bytes = planning;;) {
-        code = reserve(j, bytes, err);
-        if (code != SHEAR_OK)
-            return code;
-        code = plan_cache_acquire(plans, request, &j->plan, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(reserve(j, bytes, err));
+        TRY(plan_cache_acquire(plans, request, &j->plan, err));
         j->team_size = team_for(j);
         if (j->team_size == 0)
             return refuse(j, memory.plan + beside_plan(j, 1), err);
@@ -95,25 +87,21 @@ static int plan_within_budget(job *j, const shear_plan_request *request, shear_e
 static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
     const shear_psf_source psfs = {.self = j, .read = read_psf};
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
-    int code = shear_plan_request_read(&request, &j->settings, info, psfs, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_plan_request_read(&request, &j->settings, info, psfs, err));
     const shear_source source = {.self = j->reader, .read = reader_read};
     const int capacity = j->size.stamps < SHEAR_BLOCK ? j->size.stamps : SHEAR_BLOCK;
-    code = shear_plan_request_sample(&request, info, source, capacity, err);
-    return code != SHEAR_OK ? code : plan_within_budget(j, &request, err);
+    TRY(shear_plan_request_sample(&request, info, source, capacity, err));
+    return plan_within_budget(j, &request, err);
 }
 
 /* ---- all steps ---- */
 
 static int open_and_hash(job *j, engine_event *event, shear_error *err) {
-    int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err));
     event->info = *reader_get_info(j->reader);
     event->guards = reader_get_guards(j->reader);
     atomic_store(&j->stage, ENGINE_HASHING);
-    code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
+    int code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
     memcpy(event->checksum, j->checksum, sizeof event->checksum);
     return code;
 }
@@ -124,12 +112,8 @@ static int prepare(job *j, engine_event *event, shear_error *err) {
     if (code != SHEAR_OK)
         return code;
     j->size = shear_unit_size_for(&event->info, j->workers);
-    code = reader_map(j->reader, j->workers, j->size.stamps, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = make_plan(j, &event->info, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(reader_map(j->reader, j->workers, j->size.stamps, err));
+    TRY(make_plan(j, &event->info, err));
     event->plan = *shear_plan_get_info(j->plan);
     return SHEAR_OK;
 }

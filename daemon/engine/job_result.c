@@ -20,17 +20,10 @@ static void job_sums_deinit(job_sums *f) {
 
 /* Join all sums, and the work's terms from number `from` on. */
 static int job_sums_join(job_sums *f, const job *j, size_t from, shear_error *err) {
-    int code = shear_field_sums_new(&f->sums, err);
-    if (code != SHEAR_OK)
-        return code;
-    if (shear_estimator_is_symmetric(j->settings.estimator)) {
-        code = shear_symmetry_new(&f->terms, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
-    code = shear_work_join_terms(j->work, f->sums, from, f->terms, &f->next_block, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_sums_new(&f->sums, err));
+    if (shear_estimator_is_symmetric(j->settings.estimator))
+        TRY(shear_symmetry_new(&f->terms, err));
+    TRY(shear_work_join_terms(j->work, f->sums, from, f->terms, &f->next_block, err));
     if (j->before != NULL)
         shear_field_sums_join(f->sums, j->before);
     return SHEAR_OK;
@@ -54,20 +47,14 @@ static int job_sums_write(const job_sums *f, engine_event *event, shear_error *e
 /* Fill a CHECKPOINT. The lock `saving` is held. */
 static int make_checkpoint(job *j, engine_event *event, shear_error *err) {
     CLEANUP(job_sums_deinit) job_sums f = {0};
-    int code = job_sums_join(&f, j, j->terms_saved, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = job_files_check(&j->files, err); /* after the blocks were read, to cover them */
+    TRY(job_sums_join(&f, j, j->terms_saved, err));
+    int code = job_files_check(&j->files, err); /* after the blocks were read, to cover them */
     if (code != SHEAR_OK) {
         shear_work_fail(j->work, err);
         return code;
     }
-    code = shear_work_sync(j->work, f.next_block, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = job_sums_write(&f, event, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_work_sync(j->work, f.next_block, err));
+    TRY(job_sums_write(&f, event, err));
     event->from_block = j->terms_block;
     j->terms_saved += f.terms != NULL ? shear_symmetry_count(f.terms) : 0;
     j->terms_block = f.next_block;
@@ -106,21 +93,12 @@ static int finish_catalog(job *j, const shear_result *result, shear_error *err) 
 
 static int complete(job *j, engine_event *event, shear_error *err) {
     CLEANUP(job_sums_deinit) job_sums f = {0};
-    int code = job_files_check(&j->files, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = job_sums_join(&f, j, 0, err);
-    if (code != SHEAR_OK)
-        return code;
-    if (j->terms_before != NULL) {
-        code = shear_symmetry_join(f.terms, j->terms_before, 0, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
-    code = shear_estimate(j->settings.estimator, f.sums, f.terms, &event->result, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = job_sums_write(&f, event, err);
+    TRY(job_files_check(&j->files, err));
+    TRY(job_sums_join(&f, j, 0, err));
+    if (j->terms_before != NULL)
+        TRY(shear_symmetry_join(f.terms, j->terms_before, 0, err));
+    TRY(shear_estimate(j->settings.estimator, f.sums, f.terms, &event->result, err));
+    int code = job_sums_write(&f, event, err);
     return code != SHEAR_OK || j->catalog == NULL ? code : finish_catalog(j, &event->result, err);
 }
 

@@ -153,9 +153,7 @@ static int make(plan_cache *p, key *k, const shear_plan_request *request, const 
     CLEANUP(kept_plan_release) kept_plan *fresh = calloc(1, sizeof *fresh);
     if (fresh == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
-    const int code = shear_plan_new(&fresh->plan, request, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_plan_new(&fresh->plan, request, err));
     fresh->key = *k;
     *k = (key){0};
     fresh->bytes = shear_plan_bytes(fresh->plan) + (int64_t)fresh->key.n;

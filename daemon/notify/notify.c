@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "notify/notify.h"
 
+#include "base/cleanup.h"
+
 #include "base/clock.h"
 #include "base/text.h"
 #include "shear/text.h"
@@ -46,9 +48,7 @@ static int64_t read_watchdog(void) {
 }
 
 static int open_socket(notify *n, const char *name, shear_error *err) {
-    const int code = set_address(n, name, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(set_address(n, name, err));
     n->fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     return n->fd >= 0 ? SHEAR_OK
                       : shear_fail(err, SHEAR_E_IO, NULL, "no socket to notify systemd: %s",

@@ -3,6 +3,8 @@
  * of untrusted files only here, after the sandbox has been entered. For descriptors and arguments
  * see reader/wire.h. */
 #include "base/clock.h"
+
+#include "base/cleanup.h"
 #include "reader/sandbox.h"
 #include "reader/wire.h"
 
@@ -29,9 +31,7 @@ typedef struct child {
 static int do_open(child *c, reader_reply *reply, shear_error *err) {
     if (c->field != NULL)
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader has a file already");
-    const int code = shear_field_open_input(&c->field, &c->input, c->fds, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_open_input(&c->field, &c->input, c->fds, err));
     reply->info = *shear_field_get_info(c->field);
     reply->guards = c->guards;
     return SHEAR_OK;

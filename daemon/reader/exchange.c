@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/exchange.h"
 
+#include "base/cleanup.h"
+
 #include "base/clock.h"
 #include "reader/child_process.h"
 #include "reader/child_stderr.h"
@@ -76,9 +78,7 @@ static int wait_for_answer(reader *r, shear_error *err) {
         if (ready > 0 || (ready < 0 && errno != EINTR)) {
             return SHEAR_OK; /* recv reports the error, if there is one */
         }
-        const int code = scratch_check(&r->scratch, false, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(scratch_check(&r->scratch, false, err));
         if (ready == 0 && left_ms <= LOOK_MS)
             return stopping ? READER_E_STOPPED : READER_E_HUNG;
         if (!stopping && exchange_is_stopping(r)) {
@@ -156,9 +156,7 @@ int exchange_ask(reader *r, const reader_request *request, const char *what, rea
     *reply = (reader_reply){.code = SHEAR_E_INTERNAL};
     if (r->failed != 0)
         return fail_again(r, err);
-    const int code = converse(r, request, what, reply, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(converse(r, request, what, reply, err));
     const bool full = reply->code == SHEAR_E_FULL;
     const int kept = scratch_check(&r->scratch, full, &why);
     if (kept != SHEAR_OK && (full || reply->code == SHEAR_OK || kept == SHEAR_E_FORMAT)) {

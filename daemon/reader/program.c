@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/program.h"
 
+#include "base/cleanup.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -27,9 +29,7 @@ static int own_directory(char *out, size_t size, shear_error *err) {
 
 int reader_find_program(char *path, size_t size, shear_error *err) {
     char directory[PATH_MAX];
-    const int code = own_directory(directory, sizeof directory, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(own_directory(directory, sizeof directory, err));
     for (int i = 0; i < N_PLACES; i++) {
         const int n = snprintf(path, size, "%s/%s", directory, places[i]);
         if (n > 0 && (size_t)n < size && access(path, X_OK) == 0)

@@ -48,9 +48,7 @@ static int open_field(reader *r, shear_error *err) {
     static const char what[] = "open the file";
     const reader_request request = {.version = READER_WIRE_VERSION, .op = READER_OPEN};
     reader_reply reply;
-    const int code = exchange_ask(r, &request, what, &reply, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(exchange_ask(r, &request, what, &reply, err));
     if (!validate_info(&reply.info))
         return exchange_give_up(r, READER_E_PROTOCOL, what, err);
     r->info = reply.info;
@@ -79,9 +77,7 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
         return shear_fail(err, SHEAR_E_IO, "is sheard-reader installed beside sheard?",
                           "the reader '%s' does not start: %s", limits->program, strerror(rc));
     }
-    const int code = open_field(r, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(open_field(r, err));
     *out = CLEANUP_TAKE(r);
     return SHEAR_OK;
 }
@@ -116,9 +112,7 @@ int reader_checksum(reader *r, char out[SHEAR_CHECKSUM_SIZE], atomic_llong *hash
     const reader_request request = {.version = READER_WIRE_VERSION, .op = READER_HASH};
     reader_reply reply = {.hashed = 0};
     for (int64_t before = 0;; before = reply.hashed) {
-        const int code = exchange_ask(r, &request, what, &reply, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(exchange_ask(r, &request, what, &reply, err));
         const bool done = reply.checksum[0] != '\0';
         if (done ? !validate_checksum(reply.checksum) : reply.hashed <= before)
             return exchange_give_up(r, READER_E_PROTOCOL, what, err);
@@ -162,9 +156,7 @@ int reader_map(reader *r, int slots, int capacity, shear_error *err) {
             "%d blocks of %d stamp pairs take %zu bytes of shared memory, allowed are %" PRId64,
             slots, capacity, r->memory_bytes, r->shared_bytes);
     }
-    const int code = make_memory(r, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(make_memory(r, err));
     r->blocks = calloc((size_t)slots, sizeof *r->blocks);
     if (r->blocks == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d blocks", slots);

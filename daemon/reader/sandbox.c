@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/sandbox.h"
 
+#include "base/cleanup.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/landlock.h>
@@ -70,11 +72,8 @@ static int set_limits(const sandbox_limits *limits, shear_error *err) {
         {RLIMIT_NOFILE, true, 64, "open files"},
     };
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
-        if (all[i].wanted) {
-            const int code = limit(all[i].resource, all[i].value, all[i].what, err);
-            if (code != SHEAR_OK)
-                return code;
-        }
+        if (all[i].wanted)
+            TRY(limit(all[i].resource, all[i].value, all[i].what, err));
     }
     return SHEAR_OK;
 }
@@ -172,29 +171,22 @@ static int allow_some(scmp_filter_ctx filter) {
         {SCMP_SYS(sched_getaffinity), 1, {equals(0, 0)}},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
-        const int rc = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, rules[i].call, rules[i].n,
-                                              rules[i].arguments);
-        if (rc != 0)
-            return rc;
+        TRY(seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, rules[i].call, rules[i].n,
+                                   rules[i].arguments));
     }
     return 0;
 }
 
 static int allow_plain(scmp_filter_ctx filter) {
-    for (size_t i = 0; i < sizeof allowed / sizeof allowed[0]; i++) {
-        const int rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
-        if (rc != 0)
-            return rc;
-    }
+    for (size_t i = 0; i < sizeof allowed / sizeof allowed[0]; i++)
+        TRY(seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0));
     return 0;
 }
 
 static int load(scmp_filter_ctx filter) {
-    int rc = allow_some(filter);
-    if (rc != 0)
-        return rc;
-    rc = allow_plain(filter);
-    return rc != 0 ? rc : seccomp_load(filter);
+    TRY(allow_some(filter));
+    TRY(allow_plain(filter));
+    return seccomp_load(filter);
 }
 
 static int enter_seccomp(shear_error *err) {
@@ -208,17 +200,13 @@ static int enter_seccomp(shear_error *err) {
 }
 
 int sandbox_enter(const sandbox_limits *limits, unsigned *guards, shear_error *err) {
-    int code = set_limits(limits, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(set_limits(limits, err));
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0)
         return fail_errno(err, "no new privileges");
     if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0)
         return fail_errno(err, "not dumpable");
-    code = enter_landlock(guards, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = enter_seccomp(err);
+    TRY(enter_landlock(guards, err));
+    int code = enter_seccomp(err);
     *guards |= code == SHEAR_OK ? SANDBOX_SECCOMP | SANDBOX_UNDUMPABLE : 0U;
     return code;
 }

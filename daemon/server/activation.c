@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Acquire sockets that systemd has opened: descriptors from 3 on, as in sd_listen_fds(3). */
 #include "base/text.h"
+
+#include "base/cleanup.h"
 #include "server/server.h"
 
 #include <errno.h>
@@ -52,9 +54,7 @@ static int acquire(int *fds, size_t capacity, size_t *n, shear_error *err) {
                           capacity);
     }
     for (int i = 0; i < (int)count; i++) {
-        const int code = check_socket(FIRST_FD + i, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(check_socket(FIRST_FD + i, err));
         fds[i] = FIRST_FD + i;
     }
     *n = (size_t)count;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/server.h"
 
+#include "base/cleanup.h"
+
 #include "server/accept.h"
 #include "server/connection_loop.h"
 #include "server/internal.h"
@@ -152,8 +154,8 @@ static int start_listening(server *s, const server_options *o, shear_error *err)
     if (o->n_fds > 0)
         return listen_on_all(s, o->fds, o->n_fds, err);
     int fd = -1;
-    const int code = socket_file_make(&s->file, &fd, o->path, o->mode, o->group, err);
-    return code != SHEAR_OK ? code : listen_on_all(s, &fd, 1, err);
+    TRY(socket_file_make(&s->file, &fd, o->path, o->mode, o->group, err));
+    return listen_on_all(s, &fd, 1, err);
 }
 
 void server_sockets(const server *s, char *out, size_t size) {

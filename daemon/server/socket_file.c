@@ -12,6 +12,8 @@
  *   5. listen: clients can connect only from now on. */
 #include "server/socket_file.h"
 
+#include "base/cleanup.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <grp.h>
@@ -188,9 +190,7 @@ static int bind_and_listen(int fd, const struct sockaddr_un *address, const requ
                            socket_file *file, shear_error *err) {
     if (fchmod(fd, 0) != 0 || bind(fd, (const struct sockaddr *)address, sizeof *address) != 0)
         return failed("cannot make it", r->path, err);
-    const int code = give(r, file, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(give(r, file, err));
     return listen(fd, BACKLOG) == 0 ? SHEAR_OK : failed("cannot listen", r->path, err);
 }
 
@@ -206,20 +206,12 @@ static int name_files(socket_file *file, const char *path, shear_error *err) {
 
 static int make(socket_file *file, int fd, request *r, shear_error *err) {
     struct sockaddr_un address;
-    int code = make_address(&address, r->path, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = find_group(&r->gid, r->group, r->path, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = name_files(file, r->path, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = acquire_lock(file, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = remove_stale(&address, err);
-    return code != SHEAR_OK ? code : bind_and_listen(fd, &address, r, file, err);
+    TRY(make_address(&address, r->path, err));
+    TRY(find_group(&r->gid, r->group, r->path, err));
+    TRY(name_files(file, r->path, err));
+    TRY(acquire_lock(file, err));
+    TRY(remove_stale(&address, err));
+    return bind_and_listen(fd, &address, r, file, err);
 }
 
 int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode, const char *group,

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/open_parts.h"
 
+#include "base/cleanup.h"
+
 #include "log/log.h"
 #include "reader/program.h"
 #include "reader/scratch.h"
@@ -28,16 +30,10 @@ static int check_owner(const service *s, shear_error *err) {
 int open_store(service *s, shear_error *err) {
     char path[4200];
     const store_options options = {.busy_ms = 5000};
-    int code = check_owner(s, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = directory_make(s->config.daemon.state_dir, 0750, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_owner(s, err));
+    TRY(directory_make(s->config.daemon.state_dir, 0750, err));
     snprintf(path, sizeof path, "%s/sheard.db", s->config.daemon.state_dir);
-    code = store_open(&s->store, path, &options, clock_wall_ms(), err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(store_open(&s->store, path, &options, clock_wall_ms(), err));
     if (store_opened(s->store)->requeued > 0) {
         log_notice("%lld jobs were interrupted and go on",
                    (long long)store_opened(s->store)->requeued);
@@ -58,11 +54,9 @@ int open_engine(service *s, shear_error *err) {
     char copies[4200];
     const bool chosen = strcmp(c->reader.scratch, "auto") != 0;
     int code = reader_find_program(program, sizeof program, err);
-    code = code == SHEAR_OK ? scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
-                                           c->daemon.state_dir, err)
-                            : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(code == SHEAR_OK ? scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
+                                        c->daemon.state_dir, err)
+                         : code);
     reader_limits limits = tuning_reader(c);
     limits.program = program;
     limits.scratch = copies;

@@ -2,6 +2,8 @@
 /* Open and close the service, connect its rooms by callbacks, and run what is due once a second. */
 #include "service/service.h"
 
+#include "base/cleanup.h"
+
 #include "log/log.h"
 #include "service/core/clock.h"
 #include "service/core/parts.h"
@@ -155,9 +157,7 @@ static service *service_new(void) {
 }
 
 static int open_access(service *s, shear_error *err) {
-    int code = permissions_init(&s->permissions, &s->config, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(permissions_init(&s->permissions, &s->config, err));
     reload_warn_names(s);
     data_roots_init(&s->roots, &s->loop, &s->group, &s->life);
     return data_roots_set(&s->roots, &s->config.access.data_roots, err);
@@ -166,14 +166,10 @@ static int open_access(service *s, shear_error *err) {
 /* Open the store and the modules that need it. */
 static int open_state(service *s, shear_error *err) {
     const group_hooks turn = {.turn_ended = on_turn_ended, .context = s};
-    int code = open_store(s, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(open_store(s, err));
     group_start(&s->group, &s->loop, s->store, &s->notes, &turn);
-    code = clock_watch_start(&s->clock, &s->group, &s->config, err);
-    code = code == SHEAR_OK ? catalogs_open(s, err) : code;
-    if (code != SHEAR_OK)
-        return code;
+    int code = clock_watch_start(&s->clock, &s->group, &s->config, err);
+    TRY(code == SHEAR_OK ? catalogs_open(s, err) : code);
     catalogs_remove_retracted(s);
     return SHEAR_OK;
 }
@@ -209,11 +205,8 @@ static int notify_open(service *s, shear_error *err) {
 static int open_all(service *s, shear_error *err) {
     static opener *const openers[] = {notify_open, open_access,           open_state,
                                       open_engine, open_server_when_left, open_spool_when_left};
-    for (size_t i = 0; i < sizeof openers / sizeof *openers; i++) {
-        const int code = openers[i](s, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (size_t i = 0; i < sizeof openers / sizeof *openers; i++)
+        TRY(openers[i](s, err));
     return SHEAR_OK;
 }
 
@@ -229,11 +222,8 @@ static void name_user(char *out, size_t size) {
 static int copy_arguments(service *s, const char *config_path, const sheard_list *assignments,
                           shear_error *err) {
     s->config_path = config_path != NULL ? strdup(config_path) : NULL;
-    for (size_t i = 0; i < assignments->n; i++) {
-        const int code = sheard_list_append(&s->assignments, assignments->items[i], err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (size_t i = 0; i < assignments->n; i++)
+        TRY(sheard_list_append(&s->assignments, assignments->items[i], err));
     return SHEAR_OK;
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/folders.h"
 
+#include "base/cleanup.h"
+
 #include "spool/spool.h"
 
 #include <assert.h>
@@ -114,13 +116,11 @@ static int check_one_mount(const folders *f, shear_error *err) {
 }
 
 static int open_all(folders *f, shear_error *err) {
-    int code = open_root(f, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = acquire_lock(f, err);
-    for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++)
-        code = open_folder(f, (enum folder)i, &f->fd[i], err);
-    return code != SHEAR_OK ? code : check_one_mount(f, err);
+    TRY(open_root(f, err));
+    TRY(acquire_lock(f, err));
+    for (int i = 0; i < N_FOLDERS; i++)
+        TRY(open_folder(f, (enum folder)i, &f->fd[i], err));
+    return check_one_mount(f, err);
 }
 
 int folders_open(folders *f, const char *path, shear_error *err) {
@@ -176,16 +176,12 @@ static bool is_current(const folders *f, enum folder folder) {
 
 int folders_check(folders *f, bool *incoming_changed, shear_error *err) {
     *incoming_changed = false;
-    int code = check_root(f, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_root(f, err));
     for (enum folder i = INCOMING; i < N_FOLDERS; i++) {
         int fd = -1;
         if (is_current(f, i))
             continue;
-        code = open_folder(f, i, &fd, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(open_folder(f, i, &fd, err));
         close(f->fd[i]);
         f->fd[i] = fd;
         *incoming_changed |= i == INCOMING;

@@ -10,6 +10,8 @@
  * Without the last fsync a power failure could bring back the log, when another file may be at
  * failed/NAME with a report of its own. */
 #include "spool/internal.h"
+
+#include "base/cleanup.h"
 #include "spool/place.h"
 #include "spool/undo_log.h"
 
@@ -92,9 +94,7 @@ int spool_restore(spool *s, const char *active_name, const spool_place *place, s
                           "%s: the file %s is in none of done/ and failed/", s->folders.path,
                           name_of_active(active_name));
     }
-    const int code = check_same(s, folder, name, place, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_same(s, folder, name, place, err));
     const int error = move_back(&s->folders, active_name, folder, name);
     if (error != 0) {
         return shear_fail(err, SHEAR_E_IO, "see that the spool's disk is sound and has room",

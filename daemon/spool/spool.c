@@ -142,11 +142,8 @@ static int list_active(spool *s, shear_error *err) {
         return shear_fail(err, SHEAR_E_IO, NULL, "%s/active: cannot be read: %s", s->folders.path,
                           strerror(errno));
     }
-    for (const struct dirent *entry = readdir(dir); entry != NULL; entry = readdir(dir)) {
-        const int code = list_one(s, entry->d_name, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (const struct dirent *entry = readdir(dir); entry != NULL; entry = readdir(dir))
+        TRY(list_one(s, entry->d_name, err));
     return SHEAR_OK;
 }
 
@@ -200,12 +197,8 @@ void spool_close(spool *s) {
 }
 
 static int start(spool *s, shear_error *err) {
-    int code = undo_log_recover(&s->folders, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = list_active(s, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(undo_log_recover(&s->folders, err));
+    TRY(list_active(s, err));
     uv_timer_init(s->loop, &s->timer); /* never fails */
     s->timer.data = s;
     s->handles = 1;
@@ -230,12 +223,8 @@ int spool_open(spool **out, uv_loop_t *loop, const char *directory, const spool_
     candidates_init(&s->candidates);
     unacknowledged_init(&s->unacknowledged);
     retention_init(&s->retention);
-    int code = folders_open(&s->folders, directory, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = start(s, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(folders_open(&s->folders, directory, err));
+    TRY(start(s, err));
     *out = CLEANUP_TAKE(s);
     return SHEAR_OK;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store_check and store_audit: is the database sound, and consistent? Both read all of it. */
 #include "store/query.h"
+
+#include "base/cleanup.h"
 #include "store/sums_text.h"
 
 #include <math.h>
@@ -86,9 +88,7 @@ static int find_contradiction(store *s, const char *sql, const char *meaning, sh
 static int add_row(store *s, query *q, shear_field_sums *sums, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *one = NULL;
     bool null = false;
-    const int code = sums_parse_packed(&one, query_peek_text(q), err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sums_parse_packed(&one, query_peek_text(q), err));
     const double size = query_get_real(q, &null);
     const int64_t stamp = query_get_int(q);
     const shear_influence top = shear_field_sums_top(one);
@@ -107,40 +107,30 @@ static int join_contributions(store *s, int64_t field, char **text, shear_error 
         "SELECT sums, top_size, top_stamp FROM contributions WHERE field = ?1";
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     bool row = false;
-    int code = shear_field_sums_new(&sums, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_sums_new(&sums, err));
     CLEANUP(query_end) query q = query_once(s, sql, sql);
     query_int(&q, field);
     for (;;) {
-        code = query_step(&q, &row, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(query_step(&q, &row, err));
         if (!row)
             return shear_field_sums_format(sums, text, err);
-        code = add_row(s, &q, sums, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(add_row(s, &q, sums, err));
     }
 }
 
 /* Convert packed sums to text of the present format; they may have been stored in an older one. */
 static int read_packed(const char *packed, char **text, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
-    const int code = sums_parse_packed(&sums, packed, err);
-    return code != SHEAR_OK ? code : shear_field_sums_format(sums, text, err);
+    TRY(sums_parse_packed(&sums, packed, err));
+    return shear_field_sums_format(sums, text, err);
 }
 
 static int audit_field(store *s, int64_t field, const char *name, const char *packed,
                        shear_error *err) {
     CLEANUP(release_free) char *joined = NULL;
     CLEANUP(release_free) char *kept = NULL;
-    int code = join_contributions(s, field, &joined, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = read_packed(packed, &kept, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(join_contributions(s, field, &joined, err));
+    TRY(read_packed(packed, &kept, err));
     if (strcmp(joined, kept) != 0) {
         return shear_fail(err, SHEAR_E_FORMAT, damaged,
                           "%s: the sums of field '%s' are not those of its contributions", s->path,
@@ -159,18 +149,13 @@ static int audit_fields(store *s, shear_error *err) {
             return code;
         const int64_t id = query_get_int(&q);
         const char *name = query_peek_text(&q);
-        code = audit_field(s, id, name, query_peek_text(&q), err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(audit_field(s, id, name, query_peek_text(&q), err));
     }
 }
 
 int store_audit(store *s, shear_error *err) {
     const size_t n = sizeof contradictions / sizeof contradictions[0];
-    for (size_t i = 0; i < n; i++) {
-        const int code = find_contradiction(s, contradictions[i][0], contradictions[i][1], err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (size_t i = 0; i < n; i++)
+        TRY(find_contradiction(s, contradictions[i][0], contradictions[i][1], err));
     return audit_fields(s, err);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checkpoints: the sums of a running job so far. */
 #include "store/job.h"
+
+#include "base/cleanup.h"
 #include "store/operation.h"
 #include "store/sums_text.h"
 #include "store/terms.h"
@@ -15,16 +17,14 @@ static int check_checkpoint(int64_t id, const store_progress *p, shear_error *er
                           "job %" PRId64 ": a checkpoint of blocks %" PRId64 " to %" PRId64, id,
                           p->from_block, p->next_block);
     }
-    const int code = sums_parse_given(&parsed, p->sums, err);
-    return code != SHEAR_OK ? code : terms_check(p->terms, p->terms_size, err);
+    TRY(sums_parse_given(&parsed, p->sums, err));
+    return terms_check(p->terms, p->terms_size, err);
 }
 
 static int write_checkpoint(store *s, int64_t id, const store_progress *p, const char *packed,
                             shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
-    int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(job_row_get_running(s, id, &job, err));
     if (job.content == NULL) {
         return shear_fail(err, STORE_WRONG_STATE, NULL,
                           "job %" PRId64 ": its content must be known before a checkpoint", id);
@@ -33,18 +33,14 @@ static int write_checkpoint(store *s, int64_t id, const store_progress *p, const
     query_int(&q, id);
     query_int(&q, p->next_block);
     query_text(&q, packed);
-    code = query_run(&q, err);
+    int code = query_run(&q, err);
     return code != SHEAR_OK || p->terms == NULL ? code : terms_add_checkpoint(s, id, p, err);
 }
 
 int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress, shear_error *err) {
     CLEANUP(release_free) char *packed = NULL;
-    int code = check_checkpoint(id, progress, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = sums_pack(progress->sums, &packed, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_checkpoint(id, progress, err));
+    TRY(sums_pack(progress->sums, &packed, err));
     return OPERATION(s, write_checkpoint(s, id, progress, packed, err), err);
 }
 
@@ -60,17 +56,13 @@ int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums
     *sums = NULL;
     CLEANUP(query_end) query q = query_on(s, SQL_CHECKPOINT_GET);
     query_int(&q, id);
-    int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_step(&q, &row, err));
     if (!row)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "job %" PRId64 " has no checkpoint", id);
     const int64_t block = query_get_int(&q);
     CLEANUP(release_free) char *packed = query_get_text(&q);
-    code = query_got(&q, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = sums_unpack(packed, sums, err);
+    TRY(query_got(&q, err));
+    int code = sums_unpack(packed, sums, err);
     *next_block = code == SHEAR_OK ? block : 0;
     return code;
 }

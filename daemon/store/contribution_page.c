@@ -2,6 +2,8 @@
 /* Read a field's contributions, their sums, the truth they share, and the stamp that counts most.
  */
 #include "store/field_row.h"
+
+#include "base/cleanup.h"
 #include "store/page.h"
 #include "store/query.h"
 #include "store/sums_text.h"
@@ -35,9 +37,7 @@ static int read_page(query *q, size_t limit, store_contribution_page *page, shea
         if (!page->more || page->n == limit)
             return code;
         read_contribution(q, &page->items[page->n++]);
-        code = query_got(q, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(query_got(q, err));
     }
 }
 
@@ -46,9 +46,7 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     int64_t field = 0;
     *page = (store_contribution_page){0};
     limit = page_limit(limit);
-    int code = field_row_find(s, name, settings_digest, &field, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(field_row_find(s, name, settings_digest, &field, err));
     page->items = calloc(limit + 1, sizeof *page->items);
     if (page->items == NULL)
         return page_no_memory(err);
@@ -56,7 +54,7 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     query_int(&q, field);
     query_int(&q, after);
     query_int(&q, (int64_t)limit + 1);
-    code = read_page(&q, limit, page, err);
+    int code = read_page(&q, limit, page, err);
     if (code != SHEAR_OK)
         store_contribution_page_deinit(page);
     return code;
@@ -86,10 +84,8 @@ int store_field_truth(store *s, const char *name, const char *settings_digest, s
     double greatest[2] = {0.0};
     bool none = true;
     *truth = (store_truth){0};
-    int code = field_row_find(s, name, settings_digest, &field, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = end_of_truths(s, SQL_FIELD_LEAST_TRUTH, field, least, &none, err);
+    TRY(field_row_find(s, name, settings_digest, &field, err));
+    int code = end_of_truths(s, SQL_FIELD_LEAST_TRUTH, field, least, &none, err);
     if (code != SHEAR_OK || none)
         return code;
     code = end_of_truths(s, SQL_FIELD_GREATEST_TRUTH, field, greatest, &none, err);
@@ -103,8 +99,8 @@ int store_field_top(store *s, const char *name, const char *settings_digest, she
     int64_t field = 0;
     *top = (shear_influence){.size = NAN, .stamp = -1};
     *account = NULL;
-    const int code = field_row_find(s, name, settings_digest, &field, err);
-    return code != SHEAR_OK ? code : field_row_top(s, field, top, account, err);
+    TRY(field_row_find(s, name, settings_digest, &field, err));
+    return field_row_top(s, field, top, account, err);
 }
 
 int store_contribution_sums(store *s, int64_t id, char **sums, shear_error *err) {
@@ -112,12 +108,10 @@ int store_contribution_sums(store *s, int64_t id, char **sums, shear_error *err)
     *sums = NULL;
     CLEANUP(query_end) query q = query_on(s, SQL_CONTRIBUTION_SUMS);
     query_int(&q, id);
-    int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_step(&q, &row, err));
     if (!row)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no contribution %" PRId64, id);
     CLEANUP(release_free) char *packed = query_get_text(&q);
-    code = query_got(&q, err);
-    return code != SHEAR_OK ? code : sums_unpack(packed, sums, err);
+    TRY(query_got(&q, err));
+    return sums_unpack(packed, sums, err);
 }

@@ -69,15 +69,9 @@ static int identify(sqlite3 *db, const char *path, int *version, shear_error *er
     int64_t application = 0;
     int64_t written = 0;
     int64_t tables = 0;
-    int code = database_number(db, path, "PRAGMA application_id", &application, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = database_number(db, path, "PRAGMA user_version", &written, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = database_number(db, path, "SELECT count(*) FROM sqlite_schema", &tables, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(database_number(db, path, "PRAGMA application_id", &application, err));
+    TRY(database_number(db, path, "PRAGMA user_version", &written, err));
+    TRY(database_number(db, path, "SELECT count(*) FROM sqlite_schema", &tables, err));
     const bool empty = application == 0 && written == 0 && tables == 0;
     if (!empty && application != SCHEMA_APPLICATION) {
         return shear_fail(err, SHEAR_E_FORMAT, "configure another state directory",
@@ -100,17 +94,15 @@ static int connect(sqlite3 **db, const char *path, const store_options *options,
         sqlite3_open_v2(path, db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, options->vfs);
     if (rc != SQLITE_OK)
         return database_fail(*db, path, rc, "opening", err);
-    const int code = prepare(*db, path, options->busy_ms, err);
-    return code != SHEAR_OK ? code : identify(*db, path, version, err);
+    TRY(prepare(*db, path, options->busy_ms, err));
+    return identify(*db, path, version, err);
 }
 
 int database_connect(sqlite3 **db, const char *path, const store_options *options, int *version,
                      shear_error *err) {
     *db = NULL;
-    int code = make_file(path, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = connect(db, path, options, version, err);
+    TRY(make_file(path, err));
+    int code = connect(db, path, options, version, err);
     if (code != SHEAR_OK) {
         sqlite3_close(*db);
         *db = NULL;
@@ -137,9 +129,7 @@ static int start_wal(sqlite3 *db, const char *path, shear_error *err) {
 }
 
 int database_use_wal(sqlite3 *db, const char *path, shear_error *err) {
-    const int code = start_wal(db, path, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(start_wal(db, path, err));
     /* The log is truncated to this size after a burst. */
     return database_exec(db, path, "PRAGMA journal_size_limit = 67108864", err);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Read fields: all of one name, or a page of them. */
 #include "store/page.h"
+
+#include "base/cleanup.h"
 #include "store/query.h"
 #include "store/sums_text.h"
 
@@ -32,8 +34,8 @@ static int read_field(query *q, store_field *f, shear_error *err) {
     f->unfinished = query_get_int(q);
     f->updated_ms = query_get_int(q);
     f->elapsed_us = query_get_int(q);
-    const int code = query_got(q, err);
-    return code != SHEAR_OK ? code : sums_unpack(packed, &f->sums, err);
+    TRY(query_got(q, err));
+    return sums_unpack(packed, &f->sums, err);
 }
 
 /* Read records while their names begin with `prefix`; the page has capacity for limit + 1. */
@@ -68,12 +70,10 @@ static int get_by_name(store *s, const char *name, store_field_page *page, shear
     CLEANUP(query_end) query q = query_on(s, SQL_FIELD_GET);
     query_text(&q, name);
     query_int(&q, STORE_PAGE_MAX + 1);
-    int code = read_page(&q, "", STORE_PAGE_MAX, page, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(read_page(&q, "", STORE_PAGE_MAX, page, err));
     query pending = query_on(s, SQL_FIELD_PENDING);
     query_text(&pending, name);
-    code = query_number(&pending, 0, &page->unfinished, err);
+    int code = query_number(&pending, 0, &page->unfinished, err);
     if (code != SHEAR_OK || page->n > 0 || page->unfinished > 0)
         return code;
     return shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names",
@@ -81,10 +81,8 @@ static int get_by_name(store *s, const char *name, store_field_page *page, shear
 }
 
 int store_field_get(store *s, const char *name, store_field_page *page, shear_error *err) {
-    int code = allocate(STORE_PAGE_MAX, page, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = get_by_name(s, name, page, err);
+    TRY(allocate(STORE_PAGE_MAX, page, err));
+    int code = get_by_name(s, name, page, err);
     if (code != SHEAR_OK)
         store_field_page_deinit(page);
     return code;
@@ -96,16 +94,14 @@ int store_fields(store *s, const store_field_filter *filter, size_t limit, store
     const char *name = filter->after_name != NULL ? filter->after_name : "";
     const char *digest = filter->after_digest != NULL ? filter->after_digest : "";
     limit = page_limit(limit);
-    int code = allocate(limit, page, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(allocate(limit, page, err));
     /* No digest is empty, so (prefix, "") precedes the first name that begins with the prefix. */
     const bool inside = strcmp(name, prefix) >= 0;
     CLEANUP(query_end) query q = query_on(s, SQL_FIELDS);
     query_text(&q, inside ? name : prefix);
     query_text(&q, inside ? digest : "");
     query_int(&q, (int64_t)limit + 1);
-    code = read_page(&q, prefix, limit, page, err);
+    int code = read_page(&q, prefix, limit, page, err);
     if (code != SHEAR_OK)
         store_field_page_deinit(page);
     return code;

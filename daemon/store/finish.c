@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Finish a job: store its result and its contribution to the field in one operation. */
 #include "store/field_row.h"
+
+#include "base/cleanup.h"
 #include "store/identity.h"
 #include "store/job.h"
 #include "store/operation.h"
@@ -30,12 +32,8 @@ static int job_sums_init(job_sums *j, const store_work *w, shear_error *err) {
     *j = (job_sums){.terms = w->terms, .terms_size = w->terms_size};
     if (w->sums == NULL)
         return SHEAR_OK;
-    int code = sums_parse_given(&j->sums, w->sums, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = terms_check(w->terms, w->terms_size, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sums_parse_given(&j->sums, w->sums, err));
+    TRY(terms_check(w->terms, w->terms_size, err));
     shear_field_result(j->sums, &result);
     j->n_stamps = result.n_stamps;
     j->n_used = result.n_used;
@@ -59,9 +57,7 @@ static int add_field(store *s, const job_row *job, const job_sums *j, int64_t no
 /* Join a field's packed sums and a job's exactly; *packed is malloc'd. */
 static int join(const char *field_packed, const job_sums *j, char **packed, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
-    const int code = sums_parse_packed(&sums, field_packed, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sums_parse_packed(&sums, field_packed, err));
     shear_field_sums_join(sums, j->sums);
     return sums_format_packed(sums, packed, err);
 }
@@ -69,9 +65,7 @@ static int join(const char *field_packed, const job_sums *j, char **packed, shea
 static int join_field(store *s, const field_row *field, const job_sums *j, int64_t now_ms,
                       shear_error *err) {
     CLEANUP(release_free) char *packed = NULL;
-    const int code = join(field->packed, j, &packed, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(join(field->packed, j, &packed, err));
     query q = query_on(s, SQL_FIELD_JOIN);
     query_int(&q, field->id);
     query_text(&q, packed);
@@ -106,14 +100,10 @@ static int count(store *s, const job_row *job, const job_sums *j, const store_wo
     CLEANUP(field_row_deinit) field_row field = {0};
     OPERATION_ASSERT_OPEN(s);
     assert(job->field != NULL && job->content != NULL && j->sums != NULL);
-    int code = field_row_get(s, job->field, job->settings_digest, &field, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = field.id == 0 ? add_field(s, job, j, w->now_ms, &field.id, err)
-                         : join_field(s, &field, j, w->now_ms, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = add_contribution(s, job, field.id, j, w, err);
+    TRY(field_row_get(s, job->field, job->settings_digest, &field, err));
+    TRY(field.id == 0 ? add_field(s, job, j, w->now_ms, &field.id, err)
+                      : join_field(s, &field, j, w->now_ms, err));
+    int code = add_contribution(s, job, field.id, j, w, err);
     if (code != SHEAR_OK || j->terms == NULL)
         return code;
     return terms_add_contribution(s, j->terms, j->terms_size, err);
@@ -131,20 +121,16 @@ static int write_done(store *s, int64_t id, const store_work *w, const store_fin
     query_int(&q, w->now_ms);
     query_text(&q, w->result);
     query_text(&q, w->catalog);
-    const int code = query_run(&q, err);
-    return code != SHEAR_OK ? code : query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
+    TRY(query_run(&q, err));
+    return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
 }
 
 /* Store the outcome. A duplicate's row shows the numbers of the job that was counted. */
 static int finish_done(store *s, const job_row *job, const store_work *w, const job_sums *j,
                        store_finished *end, shear_error *err) {
     identity_match m = {0};
-    int code = SHEAR_OK;
-    if (!job->force) {
-        code = identity_find(s, job->field, job->settings_digest, job->content, &m, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    if (!job->force)
+        TRY(identity_find(s, job->field, job->settings_digest, job->content, &m, err));
     *end = (store_finished){STORE_DONE, m.job != 0 ? STORE_DUPLICATE : STORE_COUNTED, m.job};
     if (m.job == 0) {
         if (j->sums == NULL) {
@@ -153,27 +139,23 @@ static int finish_done(store *s, const job_row *job, const store_work *w, const 
                               job->id);
         }
         m = (identity_match){0, j->n_stamps, j->n_used};
-        code = count(s, job, j, w, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(count(s, job, j, w, err));
     }
-    code = job_close_attempt(s, job->id, STORE_ATTEMPT_DONE, w->now_ms, NULL, err);
-    return code != SHEAR_OK ? code : write_done(s, job->id, w, end, &m, err);
+    TRY(job_close_attempt(s, job->id, STORE_ATTEMPT_DONE, w->now_ms, NULL, err));
+    return write_done(s, job->id, w, end, &m, err);
 }
 
 static int finish_cancelled(store *s, const job_row *job, const store_work *w, store_finished *end,
                             shear_error *err) {
     *end = (store_finished){.state = STORE_CANCELLED};
-    const int code = job_close_attempt(s, job->id, STORE_ATTEMPT_CANCELLED, w->now_ms, NULL, err);
-    return code != SHEAR_OK ? code : job_make_cancelled(s, job->id, w->now_ms, err);
+    TRY(job_close_attempt(s, job->id, STORE_ATTEMPT_CANCELLED, w->now_ms, NULL, err));
+    return job_make_cancelled(s, job->id, w->now_ms, err);
 }
 
 static int finish(store *s, int64_t id, const store_work *w, const job_sums *j, store_finished *end,
                   shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
-    const int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(job_row_get_running(s, id, &job, err));
     if (job.cancel_asked)
         return finish_cancelled(s, &job, w, end, err);
     if (job.field == NULL || job.content == NULL) {
@@ -190,13 +172,9 @@ int store_finish(store *s, int64_t id, const store_work *work, store_finished *e
                                {"catalog's path", work->catalog, STORE_PATH_MAX, true}};
     CLEANUP(job_sums_deinit) job_sums j = {0};
     *end = (store_finished){0};
-    int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
-    if (code != SHEAR_OK)
-        return code;
-    code = job_sums_init(&j, work, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = OPERATION(s, finish(s, id, work, &j, end, err), err);
+    TRY(query_check_texts(rules, sizeof rules / sizeof rules[0], err));
+    TRY(job_sums_init(&j, work, err));
+    int code = OPERATION(s, finish(s, id, work, &j, end, err), err);
     if (code != SHEAR_OK)
         *end = (store_finished){0};
     return code;

@@ -2,6 +2,8 @@
 /* Forget a field: remove its rows in one operation that marks their contributions, then these one
  * by one, because there may be very many. */
 #include "store/operation.h"
+
+#include "base/cleanup.h"
 #include "store/query.h"
 
 #include <inttypes.h>
@@ -57,9 +59,7 @@ static int forget_row(store *s, const char *name, const forgotten_row *r, store_
     query q = query_on(s, SQL_FORGOTTEN_ADD);
     query_int(&q, r->id);
     query_text(&q, name);
-    const int code = query_run(&q, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_run(&q, err));
     out->last = sqlite3_last_insert_rowid(s->db);
     out->rows++;
     out->contributions += r->jobs;
@@ -70,19 +70,13 @@ static int forget(store *s, const char *name, const char *wanted, store_forgotte
                   shear_error *err) {
     CLEANUP(forgotten_row_deinit) forgotten_row r = {0};
     for (;;) {
-        int code = next_row(s, name, &r, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(next_row(s, name, &r, err));
         if (r.id == 0)
             break;
         if (wanted != NULL && strcmp(wanted, r.digest) != 0)
             continue;
-        code = check_finished(s, name, wanted, err);
-        if (code != SHEAR_OK)
-            return code;
-        code = forget_row(s, name, &r, out, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(check_finished(s, name, wanted, err));
+        TRY(forget_row(s, name, &r, out, err));
     }
     if (out->rows == 0) {
         return shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names and settings",

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Store what a running job found in its input. */
 #include "store/identity.h"
+
+#include "base/cleanup.h"
 #include "store/job.h"
 #include "store/operation.h"
 
@@ -18,12 +20,8 @@ static int write_input(store *s, int64_t id, const store_input *input, shear_err
 /* Update the input; drop a checkpoint that belongs to another content. */
 static int update(store *s, int64_t id, const store_input *input, shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
-    int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = write_input(s, id, input, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(job_row_get_running(s, id, &job, err));
+    TRY(write_input(s, id, input, err));
     const bool changed =
         job.content != NULL && input->content != NULL && strcmp(job.content, input->content) != 0;
     return changed ? query_run_id(s, SQL_CHECKPOINT_DROP, id, err) : SHEAR_OK;
@@ -33,10 +31,8 @@ static int set_input(store *s, int64_t id, const store_input *input, int64_t *du
                      shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     identity_match match = {0};
-    int code = update(s, id, input, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = job_row_get(s, id, &job, err);
+    TRY(update(s, id, input, err));
+    int code = job_row_get(s, id, &job, err);
     if (code != SHEAR_OK || job.force)
         return code;
     code = identity_find(s, job.field, job.settings_digest, job.content, &match, err);
@@ -49,10 +45,8 @@ int store_set_input(store *s, int64_t id, const store_input *input, int64_t *dup
     const text_rule rules[] = {{"field's name", input->field, STORE_FIELD_MAX, true},
                                {"content checksum", input->content, STORE_DIGEST_MAX, true}};
     *duplicate_of = 0;
-    int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
-    if (code != SHEAR_OK)
-        return code;
-    code = OPERATION(s, set_input(s, id, input, duplicate_of, err), err);
+    TRY(query_check_texts(rules, sizeof rules / sizeof rules[0], err));
+    int code = OPERATION(s, set_input(s, id, input, duplicate_of, err), err);
     *duplicate_of = code == SHEAR_OK ? *duplicate_of : 0;
     return code;
 }

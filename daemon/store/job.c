@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/job.h"
 
+#include "base/cleanup.h"
+
 #include "store/operation.h"
 
 #include <assert.h>
@@ -19,9 +21,7 @@ int job_row_get(store *s, int64_t id, job_row *job, shear_error *err) {
     *job = (job_row){.id = id};
     CLEANUP(query_end) query q = query_on(s, SQL_JOB_ROW);
     query_int(&q, id);
-    const int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_step(&q, &row, err));
     if (!row)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
     job->state = (enum store_state)query_get_int(&q);
@@ -39,9 +39,7 @@ int job_wrong_state(const job_row *job, const char *wanted, shear_error *err) {
 }
 
 int job_row_get_running(store *s, int64_t id, job_row *job, shear_error *err) {
-    const int code = job_row_get(s, id, job, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(job_row_get(s, id, job, err));
     return job->state == STORE_RUNNING ? SHEAR_OK : job_wrong_state(job, "running", err);
 }
 
@@ -65,8 +63,8 @@ int job_make_cancelled(store *s, int64_t id, int64_t now_ms, shear_error *err) {
     query q = query_on(s, SQL_JOB_CANCEL);
     query_int(&q, id);
     query_int(&q, now_ms);
-    const int code = query_run(&q, err);
-    return code != SHEAR_OK ? code : query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
+    TRY(query_run(&q, err));
+    return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
 }
 
 static int requeue(store *s, int64_t id, bool interrupted, shear_error *err) {
@@ -80,12 +78,8 @@ int job_put_back(store *s, int64_t id, enum store_attempt_outcome outcome, int64
                  enum store_state *state, shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     *state = STORE_QUEUED;
-    int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = job_close_attempt(s, id, outcome, now_ms, NULL, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(job_row_get_running(s, id, &job, err));
+    TRY(job_close_attempt(s, id, outcome, now_ms, NULL, err));
     if (job.cancel_asked) {
         *state = STORE_CANCELLED;
         return job_make_cancelled(s, id, now_ms, err);

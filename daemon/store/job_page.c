@@ -3,6 +3,8 @@
  * state and ends in the id. So a page is the merged head of one range per state, and no more ids
  * are read than one page per state, however many jobs there are. */
 #include "store/page.h"
+
+#include "base/cleanup.h"
 #include "store/query.h"
 
 #include <stdlib.h>
@@ -93,10 +95,8 @@ int store_jobs(store *s, const store_job_filter *filter, size_t limit, store_job
     CLEANUP(release_free) id_list *list = malloc(sizeof *list);
     if (list == NULL)
         return page_no_memory(err);
-    int code = find_ids(s, filter, limit + 1, list, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = fill(s, list, limit, page, err);
+    TRY(find_ids(s, filter, limit + 1, list, err));
+    int code = fill(s, list, limit, page, err);
     if (code != SHEAR_OK)
         store_job_page_deinit(page);
     return code;

@@ -2,6 +2,8 @@
 /* Read a job and its attempts. */
 #include "store/query.h"
 
+#include "base/cleanup.h"
+
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -67,14 +69,12 @@ int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
     *job = (store_job){0};
     CLEANUP(query_end) query q = query_on(s, SQL_JOB_GET);
     query_int(&q, id);
-    int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_step(&q, &row, err));
     if (!row)
         return no_job(id, err);
     read_numbers(&q, job);
     read_texts(&q, job);
-    code = query_got(&q, err);
+    int code = query_got(&q, err);
     if (code != SHEAR_OK)
         store_job_deinit(job);
     return code;
@@ -85,9 +85,7 @@ int store_job_state(store *s, int64_t id, enum store_state *state, shear_error *
     int64_t number = NO_ROW;
     query q = query_on(s, SQL_JOB_STATE);
     query_int(&q, id);
-    const int code = query_number(&q, NO_ROW, &number, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_number(&q, NO_ROW, &number, err));
     if (number == NO_ROW)
         return no_job(id, err);
     *state = (enum store_state)number;
@@ -122,22 +120,18 @@ static int read_attempts(store *s, int64_t id, store_attempts *list, shear_error
         if (!row || list->n == STORE_ATTEMPTS_KEPT)
             return code;
         read_attempt(&q, &list->attempts[list->n++]);
-        code = query_got(&q, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(query_got(&q, err));
     }
 }
 
 int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *err) {
     enum store_state state;
     *list = (store_attempts){0};
-    int code = store_job_state(s, id, &state, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(store_job_state(s, id, &state, err));
     list->attempts = calloc(STORE_ATTEMPTS_KEPT, sizeof *list->attempts);
     if (list->attempts == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for attempts");
-    code = read_attempts(s, id, list, err);
+    int code = read_attempts(s, id, list, err);
     if (code != SHEAR_OK)
         store_attempts_deinit(list);
     return code;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Read the numbers that triggers keep (schema.c), and retire finished jobs. */
 #include "store/operation.h"
+
+#include "base/cleanup.h"
 #include "store/query.h"
 
 int store_count(store *s, store_counts *counts, shear_error *err) {
@@ -68,9 +70,7 @@ static int retire(store *s, const store_retention *rule, int64_t *gone, shear_er
     int code = retire_some(s, rule->finished_before_ms, rule->batch, gone, err);
     if (code != SHEAR_OK || rule->keep < 0)
         return code;
-    code = store_count(s, &counts, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(store_count(s, &counts, err));
     for (enum store_state state = STORE_DONE; state < STORE_N_STATES; state++)
         finished += counts.jobs[state];
     const int64_t excess = finished - rule->keep;

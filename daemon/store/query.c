@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/query.h"
 
+#include "base/cleanup.h"
+
 #include <assert.h>
 #include <string.h>
 
@@ -154,10 +156,7 @@ static int check_text(const text_rule *rule, shear_error *err) {
 }
 
 int query_check_texts(const text_rule *rules, size_t n, shear_error *err) {
-    for (size_t i = 0; i < n; i++) {
-        const int code = check_text(&rules[i], err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (size_t i = 0; i < n; i++)
+        TRY(check_text(&rules[i], err));
     return SHEAR_OK;
 }

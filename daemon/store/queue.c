@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Start the next job, and end a running one without a result: failed, released, cancelled. */
 #include "base/text.h"
+
+#include "base/cleanup.h"
 #include "store/job.h"
 #include "store/operation.h"
 #include "store/query.h"
@@ -13,26 +15,20 @@ static int run_timed(store *s, enum sql which, int64_t id, int64_t value, shear_
 }
 
 static int start(store *s, int64_t id, int64_t now_ms, shear_error *err) {
-    int code = run_timed(s, SQL_START, id, now_ms, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = run_timed(s, SQL_ATTEMPT_OPEN, id, now_ms, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(run_timed(s, SQL_START, id, now_ms, err));
+    TRY(run_timed(s, SQL_ATTEMPT_OPEN, id, now_ms, err));
     return run_timed(s, SQL_ATTEMPT_PRUNE, id, STORE_ATTEMPTS_KEPT, err);
 }
 
 static int next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
     int64_t id = 0;
-    int code = query_run_id(s, SQL_WAKE, now_ms, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_run_id(s, SQL_WAKE, now_ms, err));
     query q = query_on(s, SQL_NEXT);
-    code = query_number(&q, 0, &id, err);
+    int code = query_number(&q, 0, &id, err);
     if (code != SHEAR_OK || id == 0)
         return code;
-    code = start(s, id, now_ms, err);
-    return code != SHEAR_OK ? code : store_job_get(s, id, job, err);
+    TRY(start(s, id, now_ms, err));
+    return store_job_get(s, id, job, err);
 }
 
 int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
@@ -49,8 +45,8 @@ int store_next_due(store *s, int64_t *due_ms, shear_error *err) {
 }
 
 static int set_clock(store *s, const store_clock *c, shear_error *err) {
-    const int code = run_timed(s, SQL_WAITING_SHIFT, c->delta_ms, c->latest_ms, err);
-    return code != SHEAR_OK ? code : query_run_id(s, SQL_FINISHED_CLAMP, c->now_ms, err);
+    TRY(run_timed(s, SQL_WAITING_SHIFT, c->delta_ms, c->latest_ms, err));
+    return query_run_id(s, SQL_FINISHED_CLAMP, c->now_ms, err);
 }
 
 int store_set_clock(store *s, const store_clock *clock, shear_error *err) {
@@ -119,16 +115,12 @@ static int write_failure(store *s, int64_t id, const store_failure *f, enum stor
 static int fail(store *s, int64_t id, const store_failure *f, enum store_state *state,
                 shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
-    int code = job_row_get_running(s, id, &job, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = job_close_attempt(s, id, STORE_ATTEMPT_FAILED, f->now_ms, f, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(job_row_get_running(s, id, &job, err));
+    TRY(job_close_attempt(s, id, STORE_ATTEMPT_FAILED, f->now_ms, f, err));
     *state = job.cancel_asked      ? STORE_CANCELLED
              : f->retry_at_ms >= 0 ? STORE_WAITING
                                    : STORE_FAILED;
-    code = write_failure(s, id, f, *state, err);
+    int code = write_failure(s, id, f, *state, err);
     if (code != SHEAR_OK || *state != STORE_CANCELLED)
         return code;
     return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
@@ -143,9 +135,7 @@ static int keep_state(int code, enum store_state *state) {
 int store_fail(store *s, int64_t id, const store_failure *failure, enum store_state *state,
                shear_error *err) {
     *state = STORE_QUEUED;
-    const int code = check_failure(failure, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(check_failure(failure, err));
     return keep_state(OPERATION(s, fail(s, id, failure, state, err), err), state);
 }
 
@@ -156,9 +146,7 @@ int store_release(store *s, int64_t id, int64_t now_ms, enum store_state *state,
 
 static int cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
-    const int code = job_row_get(s, id, &job, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(job_row_get(s, id, &job, err));
     switch (job.state) {
     case STORE_QUEUED:
     case STORE_WAITING:

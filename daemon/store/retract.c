@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Retract a job's contribution: exact, because the sums are integers. */
 #include "store/field_row.h"
+
+#include "base/cleanup.h"
 #include "store/operation.h"
 #include "store/query.h"
 #include "store/sums_text.h"
@@ -24,9 +26,7 @@ static int find_counted(store *s, int64_t job, counted *c, shear_error *err) {
     bool row = false;
     CLEANUP(query_end) query q = query_on(s, SQL_CONTRIBUTION_OF);
     query_int(&q, job);
-    const int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_step(&q, &row, err));
     if (!row) {
         return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
                           "job %" PRId64 " was counted, and has no contribution", job);
@@ -47,15 +47,9 @@ static int subtract(store *s, const counted *c, char **packed, shear_error *err)
     shear_influence top;
     CLEANUP(shear_field_sums_release) shear_field_sums *field = NULL;
     CLEANUP(shear_field_sums_release) shear_field_sums *one = NULL;
-    int code = sums_parse_packed(&field, c->field_packed, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = sums_parse_packed(&one, c->packed, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = field_row_top(s, c->field, &top, NULL, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sums_parse_packed(&field, c->field_packed, err));
+    TRY(sums_parse_packed(&one, c->packed, err));
+    TRY(field_row_top(s, c->field, &top, NULL, err));
     shear_field_sums_subtract(field, one);
     shear_field_sums_set_top(field, top);
     return sums_format_packed(field, packed, err);
@@ -67,9 +61,7 @@ static int leave_field(store *s, const counted *c, shear_error *err) {
         return SHEAR_OK;
     if (c->jobs == 1)
         return query_run_id(s, SQL_FIELD_DROP, c->field, err);
-    const int code = subtract(s, c, &packed, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(subtract(s, c, &packed, err));
     query q = query_on(s, SQL_FIELD_LEAVE);
     query_int(&q, c->field);
     query_text(&q, packed);
@@ -96,14 +88,10 @@ static int check_counted(const store_job *job, shear_error *err) {
 /* Remove what a done job contributed. */
 static int retract_counted(store *s, int64_t id, shear_error *err) {
     CLEANUP(counted_deinit) counted c = {0};
-    int code = find_counted(s, id, &c, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = query_run_id(s, SQL_CONTRIBUTION_DROP, c.id, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = leave_field(s, &c, err);
-    return code != SHEAR_OK ? code : query_run_id(s, SQL_JOB_RETRACT, id, err);
+    TRY(find_counted(s, id, &c, err));
+    TRY(query_run_id(s, SQL_CONTRIBUTION_DROP, c.id, err));
+    TRY(leave_field(s, &c, err));
+    return query_run_id(s, SQL_JOB_RETRACT, id, err);
 }
 
 static int retract(store *s, int64_t id, shear_error *err) {
@@ -111,8 +99,8 @@ static int retract(store *s, int64_t id, shear_error *err) {
     int code = store_job_get(s, id, &job, err);
     if (code != SHEAR_OK || job.state == STORE_RETRACTED)
         return code;
-    code = check_counted(&job, err);
-    return code != SHEAR_OK ? code : retract_counted(s, id, err);
+    TRY(check_counted(&job, err));
+    return retract_counted(s, id, err);
 }
 
 int store_retract(store *s, int64_t id, shear_error *err) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/schema.h"
 
+#include "base/cleanup.h"
+
 #include <stdio.h>
 
 /* The numbers for state, outcome, origin, class and ending are those of codes.h.
@@ -323,11 +325,8 @@ const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_
                                                   version_4, version_5, version_6};
 
 static int take_step(sqlite3 *db, const char *path, schema_step step, shear_error *err) {
-    for (const char *const *sql = step; *sql != NULL; sql++) {
-        const int code = database_exec(db, path, *sql, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (const char *const *sql = step; *sql != NULL; sql++)
+        TRY(database_exec(db, path, *sql, err));
     return SHEAR_OK;
 }
 

@@ -2,6 +2,8 @@
 /* Open and close the store. */
 #include "store/store.h"
 
+#include "base/cleanup.h"
+
 #include "store/job.h"
 #include "store/lock.h"
 #include "store/operation.h"
@@ -36,9 +38,7 @@ static int bring_up_to_date(store *s, int version, shear_error *err) {
     s->opening.migrated_from = version < 0 ? SCHEMA_VERSION : version;
     if (version < SCHEMA_VERSION) {
         const int from = version < 0 ? 0 : version;
-        const int code = schema_migrate(s->db, s->path, schema_steps, from, SCHEMA_VERSION, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(schema_migrate(s->db, s->path, schema_steps, from, SCHEMA_VERSION, err));
     }
     return database_exec(s->db, s->path, "COMMIT", err);
 }
@@ -46,9 +46,7 @@ static int bring_up_to_date(store *s, int version, shear_error *err) {
 static int read_identity(store *s, shear_error *err) {
     bool row = false;
     CLEANUP(query_end) query q = query_on(s, SQL_IDENTITY);
-    const int code = query_step(&q, &row, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_step(&q, &row, err));
     const char *text = row ? query_peek_text(&q) : NULL;
     if (text == NULL || strlen(text) != sizeof s->identity - 1) {
         return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
@@ -68,9 +66,7 @@ static int requeue_running(store *s, int64_t now_ms, shear_error *err) {
         int code = query_number(&q, 0, &id, err);
         if (code != SHEAR_OK || id == 0)
             return code;
-        code = job_put_back(s, id, STORE_ATTEMPT_INTERRUPTED, now_ms, &state, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(job_put_back(s, id, STORE_ATTEMPT_INTERRUPTED, now_ms, &state, err));
         assert(state == STORE_QUEUED || state == STORE_CANCELLED);
         s->opening.requeued += state == STORE_QUEUED;
         s->opening.cancelled += state == STORE_CANCELLED;
@@ -83,20 +79,12 @@ static int recover(store *s, int64_t now_ms, shear_error *err) {
 
 static int open_database(store *s, const store_options *options, int64_t now_ms, shear_error *err) {
     int version = 0;
-    int code = lock_acquire(&s->lock, s->path, options->busy_ms, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = database_connect(&s->db, s->path, options, &version, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = bring_up_to_date(s, version, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = database_use_wal(s->db, s->path, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = read_identity(s, err);
-    return code != SHEAR_OK ? code : recover(s, now_ms, err);
+    TRY(lock_acquire(&s->lock, s->path, options->busy_ms, err));
+    TRY(database_connect(&s->db, s->path, options, &version, err));
+    TRY(bring_up_to_date(s, version, err));
+    TRY(database_use_wal(s->db, s->path, err));
+    TRY(read_identity(s, err));
+    return recover(s, now_ms, err);
 }
 
 int store_open(store **out, const char *path, const store_options *options, int64_t now_ms,
@@ -107,12 +95,8 @@ int store_open(store **out, const char *path, const store_options *options, int6
     if (s == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the store");
     s->lock = -1;
-    int code = set_path(s, path, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = open_database(s, options != NULL ? options : &plain, now_ms, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(set_path(s, path, err));
+    TRY(open_database(s, options != NULL ? options : &plain, now_ms, err));
     *out = CLEANUP_TAKE(s);
     return SHEAR_OK;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Submit jobs, and retry them. */
 #include "store/job.h"
+
+#include "base/cleanup.h"
 #include "store/operation.h"
 
 #include <inttypes.h>
@@ -15,9 +17,7 @@ static int check_spec(const store_spec *p, shear_error *err) {
         {"idempotency key", p->key, STORE_KEY_MAX, true},
         {"dropped file's name", p->dropped, STORE_PATH_MAX, true},
     };
-    const int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_check_texts(rules, sizeof rules / sizeof rules[0], err));
     if (p->groups != NULL && strlen(p->groups) > STORE_GROUPS_MAX) { /* may be empty */
         return shear_fail(err, STORE_BAD_TEXT, NULL, "the list of groups has more than %d bytes",
                           STORE_GROUPS_MAX);
@@ -101,14 +101,12 @@ static int keep_credentials(store *s, const store_spec *p, int64_t *number, shea
 
 static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err) {
     int64_t credentials = 0;
-    int code = keep_credentials(s, p, &credentials, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(keep_credentials(s, p, &credentials, err));
     query q = query_spec(s, SQL_JOB_ADD, p);
     query_int(&q, p->created_ms);
     query_int(&q, credentials);
     query_text(&q, p->dropped);
-    code = query_run(&q, err);
+    int code = query_run(&q, err);
     *id = code == SHEAR_OK ? sqlite3_last_insert_rowid(s->db) : 0;
     return code;
 }
@@ -119,21 +117,17 @@ static int submit(store *s, const store_spec *p, int64_t max_unfinished, int64_t
     *known = *id != 0;
     if (code != SHEAR_OK || *known)
         return code;
-    code = job_check_capacity(s, max_unfinished, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = keep_settings(s, p, err);
-    return code != SHEAR_OK ? code : add_job(s, p, id, err);
+    TRY(job_check_capacity(s, max_unfinished, err));
+    TRY(keep_settings(s, p, err));
+    return add_job(s, p, id, err);
 }
 
 int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64_t *id, bool *known,
                  shear_error *err) {
     *id = 0;
     *known = false;
-    int code = check_spec(spec, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = OPERATION(s, submit(s, spec, max_unfinished, id, known, err), err);
+    TRY(check_spec(spec, err));
+    int code = OPERATION(s, submit(s, spec, max_unfinished, id, known, err), err);
     if (code != SHEAR_OK) {
         *id = 0;
         *known = false;
@@ -163,10 +157,8 @@ int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dr
                        shear_error *err) {
     const text_rule rule = {"dropped file's name", dropped, STORE_PATH_MAX, false};
     *id = 0;
-    int code = query_check_texts(&rule, 1, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = OPERATION(s, find_dropped(s, owner, key, dropped, id, err), err);
+    TRY(query_check_texts(&rule, 1, err));
+    int code = OPERATION(s, find_dropped(s, owner, key, dropped, id, err), err);
     *id = code == SHEAR_OK ? *id : 0;
     return code;
 }
@@ -184,21 +176,17 @@ int store_set_disposal(store *s, int64_t id, const char *place, const char *fing
                        shear_error *err) {
     const text_rule rules[] = {{"place of a dropped file", place, STORE_PATH_MAX, false},
                                {"mark of a dropped file", fingerprint, STORE_PATH_MAX, true}};
-    int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_check_texts(rules, sizeof rules / sizeof rules[0], err));
     return OPERATION(s, set_disposal(s, id, place, fingerprint, err), err);
 }
 
 static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
-    int code = job_row_get(s, id, &job, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(job_row_get(s, id, &job, err));
     if (job.state != STORE_FAILED && job.state != STORE_CANCELLED)
         return job_wrong_state(&job, "failed or cancelled", err);
-    code = job_check_capacity(s, max_unfinished, err);
-    return code != SHEAR_OK ? code : query_run_id(s, SQL_JOB_RETRY, id, err);
+    TRY(job_check_capacity(s, max_unfinished, err));
+    return query_run_id(s, SQL_JOB_RETRY, id, err);
 }
 
 int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/sums_text.h"
 
+#include "base/cleanup.h"
+
 #include "store/query.h"
 
 #include <stdio.h>
@@ -10,10 +12,8 @@
 int sums_parse_given(shear_field_sums **sums, const char *text, shear_error *err) {
     const text_rule rule = {"sums", text, STORE_SUMS_MAX, false};
     *sums = NULL;
-    int code = query_check_texts(&rule, 1, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_field_sums_parse(sums, text, err);
+    TRY(query_check_texts(&rule, 1, err));
+    int code = shear_field_sums_parse(sums, text, err);
     return code == SHEAR_E_FORMAT
                ? shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
                             "sums were given that cannot be read: '%.40s'", text)
@@ -107,13 +107,13 @@ int sums_unpack(const char *packed, char **text, shear_error *err) {
 int sums_parse_packed(shear_field_sums **sums, const char *packed, shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
     *sums = NULL;
-    const int code = sums_unpack(packed, &text, err);
-    return code != SHEAR_OK ? code : shear_field_sums_parse(sums, text, err);
+    TRY(sums_unpack(packed, &text, err));
+    return shear_field_sums_parse(sums, text, err);
 }
 
 int sums_format_packed(const shear_field_sums *sums, char **packed, shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
     *packed = NULL;
-    const int code = shear_field_sums_format(sums, &text, err);
-    return code != SHEAR_OK ? code : sums_pack(text, packed, err);
+    TRY(shear_field_sums_format(sums, &text, err));
+    return sums_pack(text, packed, err);
 }

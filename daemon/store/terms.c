@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/terms.h"
 
+#include "base/cleanup.h"
+
 #include "store/field_row.h"
 #include "store/operation.h"
 #include "store/query.h"
@@ -31,9 +33,7 @@ static int cut(store *s, int64_t job, int64_t from_block, int64_t *end, shear_er
     query drop = query_on(s, SQL_CHECKPOINT_TERMS_CUT);
     query_int(&drop, job);
     query_int(&drop, from_block);
-    const int code = query_run(&drop, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(query_run(&drop, err));
     query q = query_on(s, SQL_CHECKPOINT_TERMS_END);
     query_int(&q, job);
     return query_number(&q, 0, end, err);
@@ -42,9 +42,7 @@ static int cut(store *s, int64_t job, int64_t from_block, int64_t *end, shear_er
 int terms_add_checkpoint(store *s, int64_t job, const store_progress *p, shear_error *err) {
     int64_t end = 0;
     OPERATION_ASSERT_OPEN(s);
-    const int code = cut(s, job, p->from_block, &end, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(cut(s, job, p->from_block, &end, err));
     if (end != p->from_block) {
         return shear_fail(err, STORE_WRONG_STATE, NULL,
                           "job %" PRId64 ": terms up to block %" PRId64
@@ -101,9 +99,7 @@ static int add_rows(query *q, shear_symmetry *terms, shear_error *err) {
         int code = query_step(q, &row, err);
         if (!row)
             return code;
-        code = add_part(q, terms, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(add_part(q, terms, err));
     }
 }
 
@@ -128,9 +124,7 @@ int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, she
 int store_field_terms(store *s, const char *name, const char *settings_digest,
                       shear_symmetry *terms, shear_error *err) {
     int64_t field = 0;
-    const int code = field_row_find(s, name, settings_digest, &field, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(field_row_find(s, name, settings_digest, &field, err));
     query q = query_on(s, SQL_FIELD_TERMS);
     query_int(&q, field);
     return read_all(&q, terms, err);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "message/settings_text.h"
 
+#include "base/cleanup.h"
+
 #include "base/text.h"
 #include "sheard/messages.h"
 
@@ -68,12 +70,8 @@ int sheard_settings_apply(shear_settings *s, const char *text, shear_error *err)
 static int read_old(shear_settings *s, const char *text, shear_error *err) {
     static const char beneath[] = "preset=zhang2010\n";
     shear_settings_init(s);
-    int code = settings_text_set(s, beneath, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = sheard_settings_apply(s, text, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(settings_text_set(s, beneath, err));
+    TRY(sheard_settings_apply(s, text, err));
     if (s->interpolation == SHEAR_INTERP_AUTO)
         s->interpolation = SHEAR_INTERP_PAPER;
     if (s->filter == SHEAR_FILTER_AUTO)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/account.h"
 
+#include "base/cleanup.h"
+
 #include "report/parts.h"
 #include "json/text.h"
 
@@ -74,9 +76,7 @@ static shear_plan_info read_plan(const json_t *entry, const json_t *o) {
 int sheard_account_parse(sheard_account *account, const char *text, shear_error *err) {
     *account = (sheard_account){.texts = NULL};
     json_t *o = NULL;
-    const int code = json_text_load(&o, text, "the account of a file", err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(json_text_load(&o, text, "the account of a file", err));
     const json_t *resolved = json_object_get(o, "resolved");
     account->texts = o;
     account->file = (sheard_report_file){

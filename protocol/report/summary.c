@@ -2,6 +2,8 @@
 /* Read reports back, to be shown to people. */
 #include "sheard/report_summary.h"
 
+#include "base/cleanup.h"
+
 #include "base/text.h"
 #include "json/text.h"
 
@@ -112,9 +114,7 @@ void sheard_report_summary_deinit(sheard_report_summary *s) {
 int sheard_report_summary_parse(sheard_report_summary *s, const char *text, shear_error *err) {
     json_t *o = NULL;
     *s = (sheard_report_summary){0};
-    const int code = json_text_load(&o, text, "a result", err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(json_text_load(&o, text, "a result", err));
     read_shear(s, o);
     read_quality(s, o);
     read_plan(s, json_object_get(o, "resolved"));

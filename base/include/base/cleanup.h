@@ -9,7 +9,11 @@
  * owned yet. Locals are released in reverse order. Use CLEANUP_TAKE for a pointer that is returned
  * or given away:
  *
- *     return CLEANUP_TAKE(text); */
+ *     return CLEANUP_TAKE(text);
+ *
+ * and TRY for a call whose error ends the function:
+ *
+ *     TRY(read_header(t, f, err)); */
 #ifndef BASE_CLEANUP_H
 #define BASE_CLEANUP_H
 
@@ -38,6 +42,14 @@
         (pointer) = NULL;                                                                          \
         cleanup_taken_;                                                                            \
     })
+
+/* Return the code of `call` from this function if it is not 0 (OK). */
+#define TRY(call)                                                                                  \
+    do {                                                                                           \
+        const int try_code_ = (call);                                                              \
+        if (try_code_ != 0)                                                                        \
+            return try_code_;                                                                      \
+    } while (0)
 
 /* Free any pointer variable; p is its address. */
 static inline void release_free(void *p) {

@@ -16,15 +16,9 @@ int shear_catalog_begin(shear_catalog **catalog, const char *path, const shear_f
                         const char *checksum, shear_error *err) {
     CLEANUP(shear_catalog_release) shear_catalog *c = NULL;
     *catalog = NULL;
-    int rc = sf_catalog_new(&c, path, info, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_output_create_kept(&c->out, path, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_catalog_create_table(c, info, checksum, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_catalog_new(&c, path, info, err));
+    TRY(sf_output_create_kept(&c->out, path, err));
+    TRY(sf_catalog_create_table(c, info, checksum, err));
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
 }
@@ -41,14 +35,10 @@ static int check_keys(const expected *e, const sf_cards *cards, shear_error *err
     shear_catalog *c = e->catalog;
     CLEANUP(release_free) char *text = NULL;
     bool found = false;
-    int rc = sf_key_string(cards, SF_KEPT_FOR, &text, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_string(cards, SF_KEPT_FOR, &text, err));
     if (text == NULL || strcmp(text, e->checksum) != 0)
         return not_usable(c, "it is of another input", err);
-    rc = sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &c->kept, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &c->kept, &found, err));
     return found && c->kept >= e->rows
                ? SHEAR_OK
                : not_usable(c, "fewer rows are on disk than have been counted", err);
@@ -57,26 +47,22 @@ static int check_keys(const expected *e, const sf_cards *cards, shear_error *err
 /* Check that the file is one table and nothing else, before it is given to CFITSIO. */
 static int check_table(const expected *e, const sf_file *file, shear_error *err) {
     const sf_hdu *hdu = NULL;
-    int rc = sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err));
     if (file->index.count != 2 || file->index.hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
         hdu->axes[1] != e->catalog->n) {
         return not_usable(e->catalog, "its table has another shape", err);
     }
     CLEANUP(sf_cards_deinit) sf_cards cards = {0};
     CLEANUP(sf_table_deinit) sf_table table = {0};
-    rc = sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_table_init(&table, file, hdu, &cards, err);
-    return rc != SHEAR_OK ? rc : check_keys(e, &cards, err);
+    TRY(sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err));
+    TRY(sf_table_init(&table, file, hdu, &cards, err));
+    return check_keys(e, &cards, err);
 }
 
 static int check_file(const char *path, void *context, shear_error *err) {
     CLEANUP(sf_file_close) sf_file file;
-    const int rc = sf_file_open(&file, path, err);
-    return rc != SHEAR_OK ? rc : check_table(context, &file, err);
+    TRY(sf_file_open(&file, path, err));
+    return check_table(context, &file, err);
 }
 
 static int move_to_table(shear_catalog *c, shear_error *err) {
@@ -94,16 +80,10 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
                          const char *checksum, int64_t rows, shear_error *err) {
     CLEANUP(suspended_release) shear_catalog *c = NULL; /* a file that cannot be resumed is kept */
     *catalog = NULL;
-    int rc = sf_catalog_new(&c, path, info, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_catalog_new(&c, path, info, err));
     expected e = {c, checksum, rows};
-    rc = sf_output_reopen(&c->out, path, check_file, &e, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = move_to_table(c, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_output_reopen(&c->out, path, check_file, &e, err));
+    TRY(move_to_table(c, err));
     if (!sf_catalog_has_columns(c))
         return not_usable(c, "its table has another shape", err);
     sf_bitset_add(&c->written, 0, rows);

@@ -86,9 +86,7 @@ static int check_columns(const sf_table *table, shear_error *err) {
     static const char *const needed[] = {"N1", "N2", "D", "FLAGS"};
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
         const sf_column *column = NULL;
-        const int rc = sf_table_find_number(table, needed[i], &column, err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(sf_table_find_number(table, needed[i], &column, err));
         if (column == NULL) {
             return sf_fail(err, SHEAR_E_FORMAT, table->cards->at,
                            "give a result catalog of this software", "it has no column %s",
@@ -102,25 +100,17 @@ static int read_table(const sf_file *file, shear_catalog_table *t, shear_error *
     const sf_hdu *hdu = NULL;
     CLEANUP(sf_cards_deinit) sf_cards cards = {0};
     CLEANUP(sf_table_deinit) sf_table table = {0};
-    int rc = sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err));
     if (hdu->kind != SF_TABLE || hdu->zimage || hdu->ztable) {
         return sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, SF_CATALOG_HDU}, NULL,
                        "must be a plain binary table (BINTABLE)");
     }
-    rc = sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_table_init(&table, file, hdu, &cards, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = check_columns(&table, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err));
+    TRY(sf_table_init(&table, file, hdu, &cards, err));
+    TRY(check_columns(&table, err));
     t->n = hdu->axes[1];
-    rc = sf_catalog_read_header(&cards, t, err);
-    return rc != SHEAR_OK ? rc : read_rows(&table, t, err);
+    TRY(sf_catalog_read_header(&cards, t, err));
+    return read_rows(&table, t, err);
 }
 
 CLEANUP_DEFINE(shear_catalog_table, shear_catalog_table_free)
@@ -131,12 +121,8 @@ int shear_catalog_read(shear_catalog_table **table, const char *path, shear_erro
     if (t == NULL)
         return sf_fail_memory(err, (sf_place){path, NULL});
     CLEANUP(sf_file_close) sf_file file;
-    int rc = sf_file_open(&file, path, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = read_table(&file, t, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_file_open(&file, path, err));
+    TRY(read_table(&file, t, err));
     *table = CLEANUP_TAKE(t);
     return SHEAR_OK;
 }

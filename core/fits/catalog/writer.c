@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Write result catalogs row by row. */
 #include "base/array.h"
+
+#include "base/cleanup.h"
 #include "fits/catalog/internal.h"
 #include "fits/catalog/keywords.h"
 #include "fits/catalog/schema.h"
@@ -116,15 +118,9 @@ int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_
                          bool overwrite, shear_error *err) {
     CLEANUP(shear_catalog_release) shear_catalog *c = NULL;
     *catalog = NULL;
-    int rc = sf_catalog_new(&c, path, info, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_output_create(&c->out, path, overwrite, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_catalog_create_table(c, info, NULL, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_catalog_new(&c, path, info, err));
+    TRY(sf_output_create(&c->out, path, overwrite, err));
+    TRY(sf_catalog_create_table(c, info, NULL, err));
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
 }
@@ -194,15 +190,11 @@ int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_
                        "%d rows from %lld on were written, but there are %lld", count,
                        (long long)first, (long long)c->n);
     }
-    int rc = reserve(c, count, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(reserve(c, count, err));
     int status = 0;
     const int column = write_copied(c, first, count, block, &status);
     write_members(c, first, count, rows, column, &status);
-    rc = check(c, status, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(check(c, status, err));
     sf_bitset_add(&c->written, first, count);
     return SHEAR_OK;
 }
@@ -231,8 +223,8 @@ static int complete(shear_catalog *c, const shear_plan *plan, const shear_result
 int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
                          const char *input_name, const char *checksum, shear_error *err) {
     CLEANUP(shear_catalog_release) shear_catalog *own = c;
-    const int rc = complete(own, plan, result, input_name, checksum, err);
-    return rc != SHEAR_OK ? rc : sf_output_commit(&own->out, err);
+    TRY(complete(own, plan, result, input_name, checksum, err));
+    return sf_output_commit(&own->out, err);
 }
 
 void shear_catalog_abort(shear_catalog *c) {

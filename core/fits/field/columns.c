@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/columns.h"
 
+#include "base/cleanup.h"
+
 #include "base/array.h"
 
 #include <assert.h>
@@ -38,13 +40,9 @@ int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_erro
     if (part->hdu == NULL)
         return SHEAR_OK;
     const sf_place at = {part->file->source.name, part->label};
-    int rc = check_table(part->hdu, at, rows, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_cards_init(&c->cards, part->file, part->hdu, part->label, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_table_init(&c->table, part->file, part->hdu, &c->cards, err);
+    TRY(check_table(part->hdu, at, rows, err));
+    TRY(sf_cards_init(&c->cards, part->file, part->hdu, part->label, err));
+    int rc = sf_table_init(&c->table, part->file, part->hdu, &c->cards, err);
     for (int i = 0; rc == SHEAR_OK && i < SF_COLUMNS; i++) {
         rc = sf_table_find_number(&c->table, sf_column_defs[i].name, &c->column[i], err);
         c->have |= rc == SHEAR_OK && c->column[i] != NULL ? sf_column_defs[i].bit : 0u;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Open field files: their parts, shapes and keywords; read single PSFs. */
 #include "common/release.h"
+
+#include "base/cleanup.h"
 #include "fits/field/internal.h"
 
 #include <stdlib.h>
@@ -46,31 +48,21 @@ static void fill_info(shear_field *f) {
 static int open_primary(shear_field *f, shear_error *err) {
     const sf_file *file = f->parts.of[SHEAR_PART_GALAXY].file;
     CLEANUP(sf_cards_deinit) sf_cards primary;
-    const int rc = sf_cards_init(&primary, file, &file->index.hdus[0], "primary", err);
-    return rc != SHEAR_OK ? rc : sf_field_read_keys(f, &primary, err);
+    TRY(sf_cards_init(&primary, file, &file->index.hdus[0], "primary", err));
+    return sf_field_read_keys(f, &primary, err);
 }
 
 static int open_stamps(shear_field *f, shear_error *err) {
-    int rc = sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err);
-    return rc != SHEAR_OK ? rc : check_noise(f, err);
+    TRY(sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err));
+    TRY(sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err));
+    return check_noise(f, err);
 }
 
 static int open_field(shear_field *f, const shear_input *input, const int *fds, shear_error *err) {
-    int rc = sf_parts_init(&f->parts, input, fds, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = open_primary(f, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = open_stamps(f, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_parts_init(&f->parts, input, fds, err));
+    TRY(open_primary(f, err));
+    TRY(open_stamps(f, err));
+    TRY(sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err));
     fill_info(f);
     return sf_field_open_psf(f, err);
 }
@@ -81,9 +73,7 @@ int shear_field_open_input(shear_field **field, const shear_input *input, const 
     CLEANUP(shear_field_release) shear_field *f = calloc(1, sizeof *f);
     if (f == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field");
-    const int rc = open_field(f, input, fds, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(open_field(f, input, fds, err));
     *field = CLEANUP_TAKE(f);
     return SHEAR_OK;
 }

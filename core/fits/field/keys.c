@@ -20,9 +20,7 @@ static char *trim(char *text) {
 static int read_name(shear_field *f, const sf_cards *primary, shear_error *err) {
     const sf_file *galaxy = f->parts.of[SHEAR_PART_GALAXY].file;
     CLEANUP(release_free) char *text = NULL;
-    const int rc = sf_key_string(primary, "FIELD", &text, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_string(primary, "FIELD", &text, err));
     const char *given = text == NULL ? "" : trim(text);
     if (given[0] != '\0') {
         return sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, primary->at, "keyword FIELD",
@@ -68,16 +66,10 @@ static int read_shear(const sf_cards *primary, const char *key, double *g, bool 
 int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err) {
     bool has_g1 = false;
     bool has_g2 = false;
-    int rc = read_name(f, primary, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = read_pixscale(f, primary, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = read_shear(primary, "SIM_G1", &f->info.sim_g1, &has_g1, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = read_shear(primary, "SIM_G2", &f->info.sim_g2, &has_g2, err);
+    TRY(read_name(f, primary, err));
+    TRY(read_pixscale(f, primary, err));
+    TRY(read_shear(primary, "SIM_G1", &f->info.sim_g1, &has_g1, err));
+    int rc = read_shear(primary, "SIM_G2", &f->info.sim_g2, &has_g2, err);
     f->info.has_truth = has_g1 && has_g2;
     return rc;
 }

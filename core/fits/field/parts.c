@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/parts.h"
 
+#include "base/cleanup.h"
+
 #include "base/text.h"
 
 #include <stdio.h>
@@ -57,9 +59,7 @@ static int find_number(const sf_hdu_index *s, int64_t number, const sf_hdu **hdu
 }
 
 static int find_default(const sf_hdu_index *s, int part, const sf_hdu **hdu, shear_error *err) {
-    const int rc = sf_hdu_index_find(s, extnames[part], false, hdu, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_hdu_index_find(s, extnames[part], false, hdu, err));
     for (int i = 0; *hdu == NULL && i < s->count; i++) {
         if (holds(&s->hdus[i], part))
             *hdu = &s->hdus[i];
@@ -87,9 +87,7 @@ static int find_wanted(const sf_hdu_index *s, int i, const shear_input_part *wan
 }
 
 static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_error *err) {
-    const int rc = find_wanted(&p->of[i].file->index, i, wanted, &p->of[i].hdu, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(find_wanted(&p->of[i].file->index, i, wanted, &p->of[i].hdu, err));
     label(&p->of[i]);
     return SHEAR_OK;
 }

@@ -63,15 +63,9 @@ static int assign(shear_field *f, shear_error *err) {
 
 int sf_field_open_psf(shear_field *f, shear_error *err) {
     const sf_part *part = &f->parts.of[SHEAR_PART_PSF];
-    int rc = sf_part_require(part, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_image_init(&f->psf, part->file, part->hdu, part->label, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = check_sides(f, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = assign(f, err);
-    return rc != SHEAR_OK ? rc : read_oversampling(f, err);
+    TRY(sf_part_require(part, err));
+    TRY(sf_image_init(&f->psf, part->file, part->hdu, part->label, err));
+    TRY(check_sides(f, err));
+    TRY(assign(f, err));
+    return read_oversampling(f, err);
 }

@@ -2,6 +2,8 @@
 /* shear_field_read: read a block of stamp pairs with their PSFs and catalog rows. */
 #include "fits/field/internal.h"
 
+#include "base/cleanup.h"
+
 static int check_range(const shear_field *f, int64_t first, int count, const shear_block *block,
                        shear_error *err) {
     if (count < 1 || count > block->capacity || first < 0 || first > f->info.n_stamps - count) {
@@ -100,18 +102,10 @@ static int read_catalog(shear_field *f, int64_t first, int count, shear_block *b
 int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
                      shear_error *err) {
     const int64_t planes = field->info.noise_planes;
-    int rc = check_range(field, first, count, block, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_stamps_read(&field->galaxy, first, count, block->galaxy, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_stamps_read(&field->noise, planes * first, planes * count, block->noise, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = read_psf(field, first, count, block, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(check_range(field, first, count, block, err));
+    TRY(sf_stamps_read(&field->galaxy, first, count, block->galaxy, err));
+    TRY(sf_stamps_read(&field->noise, planes * first, planes * count, block->noise, err));
+    TRY(read_psf(field, first, count, block, err));
     block->stamps.first = first;
     block->stamps.count = count;
     return read_catalog(field, first, count, block, err);

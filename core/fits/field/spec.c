@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/spec.h"
 
+#include "base/cleanup.h"
+
 #include "fits/field/internal.h"
 #include "fits/field/name.h"
 
@@ -50,9 +52,7 @@ int sf_field_spec_check(const shear_field_spec *s, const char *file, shear_error
     const sf_place at = {file, NULL};
     if (s->name != NULL) {
         char copy[72];
-        const int rc = sf_field_name_copy(copy, s->name, SHEAR_E_SETTING, at, "as given", err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(sf_field_name_copy(copy, s->name, SHEAR_E_SETTING, at, "as given", err));
     }
     if (!isnan(s->pixscale) && !(s->pixscale > 0.0 && isfinite(s->pixscale)))
         return bad(at, "the pixel scale must be positive", err);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/stamps.h"
 
+#include "base/cleanup.h"
+
 #include "base/array.h"
 
 #include <assert.h>
@@ -54,20 +56,14 @@ static int lay_out(sf_stamps *s, shear_error *err) {
     int64_t ny = image->axes[1];
     bool has_nx = false;
     bool has_ny = false;
-    int rc = sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, &nx, &has_nx, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, &has_ny, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, &nx, &has_nx, err));
+    TRY(sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, &has_ny, err));
     if (has_nx != has_ny) {
         return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, "give both, or neither",
                        "it has the keyword %s without %s", has_nx ? "STAMPNX" : "STAMPNY",
                        has_nx ? "STAMPNY" : "STAMPNX");
     }
-    rc = check_sides(s, nx, ny, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(check_sides(s, nx, ny, err));
     s->nx = (int)nx;
     s->ny = (int)ny;
     return image->naxis == 2 && has_nx ? lay_out_mosaic(s, nx, ny, err)
@@ -76,11 +72,9 @@ static int lay_out(sf_stamps *s, shear_error *err) {
 
 int sf_stamps_init(sf_stamps *s, const sf_part *part, shear_error *err) {
     *s = (sf_stamps){0};
-    int rc = sf_part_require(part, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_image_init(&s->image, part->file, part->hdu, part->label, err);
-    return rc != SHEAR_OK ? rc : lay_out(s, err);
+    TRY(sf_part_require(part, err));
+    TRY(sf_image_init(&s->image, part->file, part->hdu, part->label, err));
+    return lay_out(s, err);
 }
 
 void sf_stamps_deinit(sf_stamps *s) {

@@ -108,17 +108,11 @@ static int create_catalog(shear_field_writer *w, shear_error *err) {
 }
 
 static int create_hdus(shear_field_writer *w, const shear_field_spec *spec, shear_error *err) {
-    int rc = write_primary(w, spec, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = create_psf(w, err);
-    return rc != SHEAR_OK ? rc : create_catalog(w, err);
+    TRY(write_primary(w, spec, err));
+    TRY(create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err));
+    TRY(create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err));
+    TRY(create_psf(w, err));
+    return create_catalog(w, err);
 }
 
 static int begin(shear_field_writer *w, const char *path, const shear_field_spec *spec,
@@ -130,8 +124,8 @@ static int begin(shear_field_writer *w, const char *path, const shear_field_spec
                                           : (int64_t)ceil(sqrt((double)spec->n_stamps));
     if (!sf_bitset_init(&w->stamps, spec->n_stamps) || !sf_bitset_init(&w->psfs, spec->n_psf))
         return sf_fail_memory(err, (sf_place){path, NULL});
-    const int rc = sf_output_create(&w->out, path, spec->overwrite, err);
-    return rc != SHEAR_OK ? rc : create_hdus(w, spec, err);
+    TRY(sf_output_create(&w->out, path, spec->overwrite, err));
+    return create_hdus(w, spec, err);
 }
 
 CLEANUP_DEFINE(shear_field_writer, shear_field_abort)
@@ -139,16 +133,12 @@ CLEANUP_DEFINE(shear_field_writer, shear_field_abort)
 int shear_field_create(shear_field_writer **writer, const char *path, const shear_field_spec *spec,
                        shear_error *err) {
     *writer = NULL;
-    int rc = sf_field_spec_check(spec, path, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_field_spec_check(spec, path, err));
     CLEANUP(shear_field_writer_release) shear_field_writer *w = calloc(1, sizeof *w);
     if (w == NULL)
         return sf_fail_memory(err, (sf_place){path, NULL});
     w->out.directory = -1;
-    rc = begin(w, path, spec, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(begin(w, path, spec, err));
     *writer = CLEANUP_TAKE(w);
     return SHEAR_OK;
 }
@@ -217,17 +207,10 @@ int shear_field_write(shear_field_writer *w, int64_t first, int count, const dou
                        (long long)first, (long long)w->spec.n_stamps);
     }
     const int64_t planes = noise_planes(&w->spec);
-    int rc = write_stamps(w, HDU_GALAXY, first, count, galaxy, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = write_stamps(w, HDU_NOISE, planes * first, planes * count, noise, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    if (w->spec.columns != 0) {
-        rc = write_catalog(w, first, count, columns != NULL ? columns : &none, err);
-        if (rc != SHEAR_OK)
-            return rc;
-    }
+    TRY(write_stamps(w, HDU_GALAXY, first, count, galaxy, err));
+    TRY(write_stamps(w, HDU_NOISE, planes * first, planes * count, noise, err));
+    if (w->spec.columns != 0)
+        TRY(write_catalog(w, first, count, columns != NULL ? columns : &none, err));
     sf_bitset_add(&w->stamps, first, count);
     return SHEAR_OK;
 }

@@ -70,9 +70,7 @@ static int parse_block(sf_header *h, const char *block, bool *ended, const char 
             *ended = true;
             break;
         }
-        const int rc = sf_header_card(h, block + i, file, err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(sf_header_card(h, block + i, file, err));
     }
     return SHEAR_OK;
 }
@@ -86,18 +84,14 @@ static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *has
     XXH3_64bits_reset(hash);
     for (int blocks = 0; !ended; blocks++) {
         const char *block = NULL;
-        int rc = read_block(r, *end, &block, err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(read_block(r, *end, &block, err));
         *end += SF_BLOCK_BYTES;
         if (block == NULL)
             return truncated(r, h, "header (no END card so far)", *end, err);
         if (blocks == MAX_HEADER_BLOCKS)
             return endless(r, h, err);
         XXH3_64bits_update(hash, block, SF_BLOCK_BYTES);
-        rc = parse_block(h, block, &ended, r->file, err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(parse_block(h, block, &ended, r->file, err));
     }
     h->hdu.header_offset = offset;
     h->hdu.header_bytes = *end - offset;
@@ -108,12 +102,8 @@ static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *has
 /* Read the HDU at `offset`; *next becomes the offset behind its data. */
 static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shear_error *err) {
     sf_hdu *hdu = &h->hdu;
-    int rc = read_cards(r, h, offset, r->hash, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_header_end(h, r->file, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(read_cards(r, h, offset, r->hash, err));
+    TRY(sf_header_end(h, r->file, err));
     const int64_t padded = (hdu->data_bytes + SF_BLOCK_BYTES - 1) / SF_BLOCK_BYTES * SF_BLOCK_BYTES;
     if (__builtin_add_overflow(hdu->data_offset, padded, next))
         *next = INT64_MAX;
@@ -164,15 +154,9 @@ static int read_all(sf_hdu_index *s, reader *r, shear_error *err) {
     while (more) {
         sf_header header;
         sf_header_init(&header, s->count);
-        int rc = read_hdu(r, &header, offset, &offset, err);
-        if (rc != SHEAR_OK)
-            return rc;
-        rc = append(s, &header.hdu, err);
-        if (rc != SHEAR_OK)
-            return rc;
-        rc = is_extension(r, offset, &more, err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(read_hdu(r, &header, offset, &offset, err));
+        TRY(append(s, &header.hdu, err));
+        TRY(is_extension(r, offset, &more, err));
     }
     return SHEAR_OK;
 }

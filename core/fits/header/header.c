@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/header/header.h"
 
+#include "base/cleanup.h"
+
 #include "base/text.h"
 #include "fits/header/card.h"
 
@@ -115,9 +117,7 @@ static int parse_axis(sf_header *h, const char *card, const char *key, int index
     if (index <= SF_AXES)
         return parse_integer(h, card, key, &h->hdu.axes[index - 1], file, err);
     int64_t value = SF_ABSENT;
-    const int rc = parse_integer(h, card, key, &value, file, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(parse_integer(h, card, key, &value, file, err));
     if (h->further_axes >= 0 &&
         (value < 0 || __builtin_mul_overflow(h->further_axes, value, &h->further_axes))) {
         h->further_axes = -1;
@@ -218,9 +218,7 @@ int sf_header_end(sf_header *h, const char *file, shear_error *err) {
     hdu->kind = kind_of(h);
     if (!bitpix_ok(hdu->bitpix))
         return bad(h, file, "BITPIX", "is missing or not one of 8, 16, 32, 64, -32, -64", err);
-    const int rc = check_axes(h, file, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(check_axes(h, file, err));
     hdu->pcount = hdu->pcount == SF_ABSENT ? 0 : hdu->pcount;
     hdu->gcount = hdu->gcount == SF_ABSENT ? 1 : hdu->gcount;
     if (h->groups) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Read rows of a binary table as numbers, converted and scaled. */
 #include "base/io.h"
+
+#include "base/cleanup.h"
 #include "fits/header/card.h"
 #include "fits/header/table.h"
 #include "fits/io/bits.h"
@@ -145,10 +147,8 @@ static int read_rows(const sf_table *t, const sink *s, int64_t first, int64_t co
     const bool cells = row > BUFFER;
     for (int64_t done = 0; done < count;) {
         const int64_t n = count - done < many ? count - done : many;
-        const int rc = sf_table_bytes(t, first + done, cells ? c->offset : 0,
-                                      cells ? c->width : n * row, buffer, err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(sf_table_bytes(t, first + done, cells ? c->offset : 0, cells ? c->width : n * row,
+                           buffer, err));
         for (int64_t i = 0; i < n; i++)
             put(s, done + i, buffer + (cells ? 0 : i * row + c->offset));
         done += n;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checksums of inputs: XXH3 of the bytes on disk, packed or not. */
 #include "base/io.h"
+
+#include "base/cleanup.h"
 #include "base/text.h"
 #include "common/release.h"
 #include "fits/io/source.h"
@@ -175,9 +177,7 @@ static int hash_some(shear_hashing *h, shear_error *err) {
     size_t count = 0;
     if (!h->open)
         return begin_part(h, err);
-    const int code = stream_read(&h->file, h->buffer, &count, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(stream_read(&h->file, h->buffer, &count, err));
     if (count > 0) {
         XXH3_128bits_update(h->state, h->buffer, count);
     } else {
@@ -189,11 +189,8 @@ static int hash_some(shear_hashing *h, shear_error *err) {
 int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error *err) {
     const int64_t begun = shear_hashing_bytes(h);
     *done = false;
-    while (h->part < SHEAR_N_PARTS && shear_hashing_bytes(h) - begun < bytes) {
-        const int code = hash_some(h, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    while (h->part < SHEAR_N_PARTS && shear_hashing_bytes(h) - begun < bytes)
+        TRY(hash_some(h, err));
     *done = h->part == SHEAR_N_PARTS;
     return SHEAR_OK;
 }
@@ -217,12 +214,8 @@ int shear_input_checksum(const shear_input *input, const int *fds, const shear_f
                          char out[SHEAR_CHECKSUM_SIZE], shear_error *err) {
     CLEANUP(shear_hashing_release) shear_hashing *h = NULL;
     bool done = false;
-    int code = shear_hashing_new(&h, input, fds, info, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_hashing_step(h, INT64_MAX, &done, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_hashing_new(&h, input, fds, info, err));
+    TRY(shear_hashing_step(h, INT64_MAX, &done, err));
     shear_hashing_text(h, out);
     return SHEAR_OK;
 }

@@ -114,9 +114,7 @@ static int flush(unpacking *u, shear_error *err) {
 /* Unpack until the end of one gzip member. */
 static int unpack_member(unpacking *u, shear_error *err) {
     for (;;) {
-        int rc = u->z.avail_in == 0 ? refill(u, err) : SHEAR_OK;
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(u->z.avail_in == 0 ? refill(u, err) : SHEAR_OK);
         const int z = inflate(&u->z, Z_NO_FLUSH);
         if (z == Z_STREAM_END)
             return SHEAR_OK;
@@ -128,9 +126,7 @@ static int unpack_member(unpacking *u, shear_error *err) {
                            (long long)(u->position - u->z.avail_in),
                            u->z.msg != NULL ? u->z.msg : "no gzip stream");
         }
-        rc = u->z.avail_out == 0 ? flush(u, err) : SHEAR_OK;
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(u->z.avail_out == 0 ? flush(u, err) : SHEAR_OK);
     }
 }
 
@@ -156,9 +152,7 @@ static int more_members(unpacking *u, shear_error *err) {
 static int unpack(unpacking *u, shear_error *err) {
     int more = 1;
     while (more > 0) {
-        const int rc = unpack_member(u, err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(unpack_member(u, err));
         more = more_members(u, err);
     }
     return more < 0 ? -more : flush(u, err);
@@ -182,12 +176,8 @@ int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err
         inflateInit2(&u.z, 15 + 16) != Z_OK) {
         return sf_fail_memory(err, at);
     }
-    int rc = open_copy(at, &u.out, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = unpack(&u, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(open_copy(at, &u.out, err));
+    TRY(unpack(&u, err));
     *out = u.out;
     *out_size = u.written;
     u.out = -1;

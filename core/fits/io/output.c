@@ -92,14 +92,10 @@ static int create_file(sf_output *out, shear_error *err) {
 int sf_output_create(sf_output *out, const char *path, bool overwrite, shear_error *err) {
     *out = (sf_output){.directory = -1, .overwrite = overwrite};
     sf_printable_name(out->name, sizeof out->name, path);
-    int rc = open_directory(out, path, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = check_target(out, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = name_temporary(out, err);
-    return rc != SHEAR_OK ? rc : create_file(out, err);
+    TRY(open_directory(out, path, err));
+    TRY(check_target(out, err));
+    TRY(name_temporary(out, err));
+    return create_file(out, err);
 }
 
 static int close_fits(sf_output *out, shear_error *err) {
@@ -151,8 +147,8 @@ static int put_in_place(sf_output *out, shear_error *err) {
 }
 
 static int close_and_sync(sf_output *out, shear_error *err) {
-    const int rc = close_fits(out, err);
-    return rc != SHEAR_OK ? rc : sync_file(out, 0, err);
+    TRY(close_fits(out, err));
+    return sync_file(out, 0, err);
 }
 
 int sf_output_commit(sf_output *out, shear_error *err) {
@@ -193,27 +189,19 @@ static int remove_kept(const sf_output *out, const char *doing, shear_error *err
 }
 
 int sf_output_create_kept(sf_output *out, const char *path, shear_error *err) {
-    int rc = name_kept(out, path, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = check_target(out, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = remove_kept(out, "its temporary file cannot be replaced", err);
-    return rc != SHEAR_OK ? rc : create_file(out, err);
+    TRY(name_kept(out, path, err));
+    TRY(check_target(out, err));
+    TRY(remove_kept(out, "its temporary file cannot be replaced", err));
+    return create_file(out, err);
 }
 
 int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, void *context,
                      shear_error *err) {
     char proc[320];
     int status = 0;
-    int rc = name_kept(out, path, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(name_kept(out, path, err));
     name_for_cfitsio(out, proc);
-    rc = check(proc, context, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(check(proc, context, err));
     out->exists = true;
     fits_open_diskfile(&out->fits, proc, READWRITE, &status);
     return status == 0
@@ -238,6 +226,6 @@ void sf_output_suspend(sf_output *out) {
 
 int sf_output_discard_kept(const char *path, shear_error *err) {
     CLEANUP(sf_output_discard) sf_output out;
-    const int rc = name_kept(&out, path, err);
-    return rc != SHEAR_OK ? rc : remove_kept(&out, "its temporary file cannot be removed", err);
+    TRY(name_kept(&out, path, err));
+    return remove_kept(&out, "its temporary file cannot be removed", err);
 }

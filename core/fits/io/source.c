@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/io/source.h"
 
+#include "base/cleanup.h"
+
 #include "base/text.h"
 #include "fits/io/gunzip.h"
 #include "shear/text.h"
@@ -81,9 +83,7 @@ static int look_inside(sf_source *s, shear_error *err) {
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "is empty (0 bytes)");
     if (sf_is_gzip(head, n)) {
         int unpacked = -1;
-        const int rc = sf_gunzip(s->fd, at, &unpacked, &s->size, err);
-        if (rc != SHEAR_OK)
-            return rc;
+        TRY(sf_gunzip(s->fd, at, &unpacked, &s->size, err));
         close(s->fd);
         s->fd = unpacked;
         s->gzipped = true;
@@ -110,9 +110,7 @@ int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err) 
         return sf_fail_errno(err, at, errno, "its descriptor cannot be used");
     if ((mode & O_ACCMODE) == O_WRONLY || (mode & O_PATH) != 0)
         return sf_fail(err, SHEAR_E_IO, at, NULL, "its descriptor is not open for reading");
-    const int rc = sf_check_regular(fd, at, &s->file_bytes, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_check_regular(fd, at, &s->file_bytes, err));
     s->size = s->file_bytes;
     s->fd = fcntl(fd, F_DUPFD_CLOEXEC,
                   0); /* the offset is shared with the caller's descriptor, so only pread is used */

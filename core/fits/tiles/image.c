@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/tiles/image.h"
 
+#include "base/cleanup.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -33,12 +35,8 @@ static int set_plain(sf_image *image, const sf_hdu *hdu) {
 
 static int set_tiled(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
     image->compressed = true;
-    int rc = sf_table_init(&image->table, file, hdu, &image->cards, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_tiling_init(&image->tiling, &image->table, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_table_init(&image->table, file, hdu, &image->cards, err));
+    TRY(sf_tiling_init(&image->tiling, &image->table, err));
     image->naxis = (int)image->tiling.naxis;
     image->bitpix = (int)image->tiling.bitpix;
     memcpy(image->axes, image->tiling.axes, sizeof image->axes);
@@ -76,12 +74,8 @@ static int show(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_e
     double zero = 0.0;
     bool found = false;
     sf_view_init(&image->view, file, hdu);
-    int rc = sf_key_double(&image->cards, "BSCALE", &scale, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_key_double(&image->cards, "BZERO", &zero, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_double(&image->cards, "BSCALE", &scale, &found, err));
+    TRY(sf_key_double(&image->cards, "BZERO", &zero, &found, err));
     if (scale == 0.0)
         return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, NULL, "keyword BSCALE is 0");
     if (!image->compressed)
@@ -93,16 +87,10 @@ static int show(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_e
 int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const char *label,
                   shear_error *err) {
     *image = (sf_image){.cards.at = {file->source.name, label}};
-    int rc = check_header(hdu, image->cards.at, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_cards_init(&image->cards, file, hdu, label, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = hdu->zimage ? set_tiled(image, file, hdu, err) : set_plain(image, hdu);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = show(image, file, hdu, err);
+    TRY(check_header(hdu, image->cards.at, err));
+    TRY(sf_cards_init(&image->cards, file, hdu, label, err));
+    TRY(hdu->zimage ? set_tiled(image, file, hdu, err) : set_plain(image, hdu));
+    int rc = show(image, file, hdu, err);
     return rc != SHEAR_OK ? rc
                           : sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at,
                                          &image->fits, err);
@@ -126,11 +114,8 @@ static bool contiguous(const sf_image *image, const int64_t size[SF_AXES]) {
 
 int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
                   double *out, shear_error *err) {
-    if (image->compressed) {
-        const int rc = sf_tiles_check(&image->tiles, first, size, err);
-        if (rc != SHEAR_OK)
-            return rc;
-    }
+    if (image->compressed)
+        TRY(sf_tiles_check(&image->tiles, first, size, err));
     /* Floating-point pixels of a plain image need no null value: without one, CFITSIO copies them
      * bit by bit. */
     double null = image->bitpix < 0 && !image->compressed ? 0.0 : NAN;

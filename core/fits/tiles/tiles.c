@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/tiles/tiles.h"
 
+#include "base/cleanup.h"
+
 #include "base/array.h"
 #include "base/io.h"
 #include "fits/io/bits.h"
@@ -50,9 +52,7 @@ static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *coun
         return SHEAR_OK;
     unsigned char cell[16];
     const int width = c->type == 'Q' ? 8 : 4; /* P: CFITSIO, too, reads these as unsigned */
-    const int rc = sf_table_bytes(t->table, tile, c->offset, 2 * width, cell, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_table_bytes(t->table, tile, c->offset, 2 * width, cell, err));
     const uint64_t n = sf_bits_big_endian(cell, width);
     const uint64_t at = sf_bits_big_endian(cell + width, width);
     const uint64_t heap = (uint64_t)t->heap_bytes;
@@ -111,21 +111,15 @@ static bool stream_sound(const sf_tiles *t, int64_t bytes, const int64_t sides[S
 static int check_alternatives(sf_tiles *t, int64_t tile, int64_t pixels, shear_error *err) {
     int64_t count = 0;
     int64_t offset = 0;
-    int rc = descriptor(t, SF_RAW_DATA, tile, &count, &offset, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(descriptor(t, SF_RAW_DATA, tile, &count, &offset, err));
     if (count > 0) {
         return count == pixels ? SHEAR_OK
                                : bad_tile(t, tile, "it has the wrong number of pixels", err);
     }
-    rc = descriptor(t, SF_GZIP_DATA, tile, &count, &offset, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(descriptor(t, SF_GZIP_DATA, tile, &count, &offset, err));
     if (count == 0)
         return bad_tile(t, tile, "it has no data", err);
-    rc = load(t, tile, pixels, count, offset, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(load(t, tile, pixels, count, offset, err));
     const int64_t wanted = pixels * -t->tiling->bitpix / 8; /* for floating-point pixels only */
     return wanted >= 0 && sf_gzip_size(t->buffer, count, wanted) == wanted
                ? SHEAR_OK
@@ -137,14 +131,10 @@ static int check_data(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], s
     const int64_t element = t->tiling->algorithm == SF_PLIO ? 2 : 1;
     int64_t count = 0;
     int64_t offset = 0;
-    int rc = descriptor(t, SF_DATA, tile, &count, &offset, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(descriptor(t, SF_DATA, tile, &count, &offset, err));
     if (count == 0)
         return check_alternatives(t, tile, pixels, err);
-    rc = load(t, tile, pixels, count * element, offset, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(load(t, tile, pixels, count * element, offset, err));
     return stream_sound(t, count * element, sides) ? SHEAR_OK
                                                    : bad_tile(t, tile, "its data are damaged", err);
 }
@@ -152,9 +142,7 @@ static int check_data(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], s
 static int check_tile(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], shear_error *err) {
     if (sf_bitset_has(&t->sound, tile))
         return SHEAR_OK;
-    const int rc = check_data(t, tile, sides, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(check_data(t, tile, sides, err));
     sf_bitset_add(&t->sound, tile, 1);
     return SHEAR_OK;
 }
@@ -182,9 +170,7 @@ int sf_tiles_check(sf_tiles *t, const int64_t first[SF_AXES], const int64_t size
                 const int64_t tile = (c[2] * t->tiling->grid[1] + c[1]) * t->tiling->grid[0] + c[0];
                 int64_t sides[SF_AXES];
                 tile_sides(t->tiling, c, sides);
-                const int rc = check_tile(t, tile, sides, err);
-                if (rc != SHEAR_OK)
-                    return rc;
+                TRY(check_tile(t, tile, sides, err));
             }
         }
     }

@@ -30,12 +30,10 @@ static int read_axis(sf_tiling *t, const sf_table *table, int k, shear_error *er
     if (k >= t->naxis)
         return SHEAR_OK;
     snprintf(key, sizeof key, "ZNAXIS%d", k + 1);
-    int rc = sf_need_int(table->cards, key, 1, INT32_MAX, &t->axes[k], err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_need_int(table->cards, key, 1, INT32_MAX, &t->axes[k], err));
     t->tile[k] = k == 0 ? t->axes[0] : 1;
     snprintf(key, sizeof key, "ZTILE%d", k + 1);
-    rc = sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], &found, err);
+    int rc = sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], &found, err);
     if (t->tile[k] > t->axes[k]) { /* this gives the same tiles */
         t->tile[k] = t->axes[k];
     }
@@ -99,9 +97,7 @@ static int read_word(const sf_table *table, const char *key, const char *const *
 
 static int read_bitpix(sf_tiling *t, const sf_table *table, shear_error *err) {
     static const int64_t depths[] = {8, 16, 32, -32, -64};
-    const int rc = sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err));
     for (size_t i = 0; i < sizeof depths / sizeof depths[0]; i++) {
         if (t->bitpix == depths[i])
             return SHEAR_OK;
@@ -115,9 +111,7 @@ static int read_algorithm(sf_tiling *t, const sf_table *table, shear_error *err)
     static const enum sf_algorithm algorithms[] = {SF_RICE,   SF_RICE, SF_GZIP_1,
                                                    SF_GZIP_2, SF_PLIO, SF_HCOMPRESS};
     int chosen = -1;
-    const int rc = read_word(table, "ZCMPTYPE", names, &chosen, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(read_word(table, "ZCMPTYPE", names, &chosen, err));
     if (chosen < 0)
         return bad(table, "ZCMPTYPE is missing", err);
     t->algorithm = algorithms[chosen];
@@ -147,15 +141,11 @@ static int read_parameter(const sf_table *table, int i, const char *name, int64_
 
 static int read_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
     bool found = false;
-    int rc = read_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(read_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, &found, err));
     if (!found || (t->block != 16 && t->block != 32))
         return bad(table, "RICE needs ZVAL1 (the block size) 16 or 32", err);
     t->width = 4;
-    rc = read_parameter(table, 2, "BYTEPIX", 1, 4, &t->width, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(read_parameter(table, 2, "BYTEPIX", 1, 4, &t->width, &found, err));
     return t->width == 4 || (t->bitpix > 0 && t->width != 3)
                ? SHEAR_OK
                : bad(table,
@@ -167,14 +157,10 @@ static int read_hcompress(sf_tiling *t, const sf_table *table, shear_error *err)
     double scale = 0.0; /* ignored: the stream has its own scale */
     int64_t smooth = 0;
     bool found = false;
-    int rc = sf_key_double(table->cards, "ZVAL1", &scale, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_double(table->cards, "ZVAL1", &scale, &found, err));
     if (!found)
         return bad(table, "HCOMPRESS needs ZVAL1 (the scale)", err);
-    rc = read_parameter(table, 2, "SMOOTH", 0, 1, &smooth, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(read_parameter(table, 2, "SMOOTH", 0, 1, &smooth, &found, err));
     t->smooth = smooth != 0;
     return t->tile[0] >= 4 && t->tile[1] >= 4 && t->tile[2] == 1
                ? SHEAR_OK
@@ -240,13 +226,9 @@ static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *e
                                         "NONE", NULL};
     int word = -1;
     bool found = false;
-    int rc = read_word(table, "ZQUANTIZ", words, &word, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(read_word(table, "ZQUANTIZ", words, &word, err));
     t->seed = 1;
-    rc = sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, &found, err));
     const bool gzip = t->algorithm == SF_GZIP_1 || t->algorithm == SF_GZIP_2;
     const bool scaled = t->column[SF_ZSCALE] != NULL && t->column[SF_ZZERO] != NULL;
     if (word == 3 && (t->bitpix > 0 || !gzip))
@@ -267,12 +249,8 @@ static int read_scale(sf_tiling *t, const sf_table *table, shear_error *err) {
     bool has_zero = false;
     t->scale = 1.0;
     t->zero = 0.0;
-    int rc = sf_key_double(table->cards, "ZSCALE", &t->scale, &t->has_scale, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    rc = sf_key_double(table->cards, "ZZERO", &t->zero, &has_zero, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_double(table->cards, "ZSCALE", &t->scale, &t->has_scale, err));
+    TRY(sf_key_double(table->cards, "ZZERO", &t->zero, &has_zero, err));
     t->has_scale = (t->has_scale || has_zero) && t->column[SF_ZSCALE] == NULL;
     return t->scale != 0.0 ? SHEAR_OK : bad(table, "ZSCALE is 0", err);
 }
@@ -300,10 +278,7 @@ int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err) {
         read_algorithm, read_sizes,        read_parameters, read_columns,
         read_heap,      read_quantization, read_numbers};
     *t = (sf_tiling){.block = 32, .width = 4};
-    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
-        const int rc = steps[i](t, table, err);
-        if (rc != SHEAR_OK)
-            return rc;
-    }
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++)
+        TRY(steps[i](t, table, err));
     return SHEAR_OK;
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/core/group.h"
 
+#include "base/cleanup.h"
+
 #include "log/log.h"
 
 #include <assert.h>
@@ -13,9 +15,7 @@ static void nothing(uv_idle_t *idle) {
 int group_begin(group *g, shear_error *err) {
     if (g->open)
         return SHEAR_OK;
-    const int code = store_begin(g->store, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(store_begin(g->store, err));
     g->open = true;
     uv_idle_start(&g->commit_now, nothing);
     return SHEAR_OK;

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/core/permissions.h"
 
+#include "base/cleanup.h"
+
 static int lists_init(permissions *p, const sheard_config *c, shear_error *err) {
-    int code = access_list_new(&p->admins, c->access.admin_users.items, c->access.admin_users.n,
-                               c->access.admin_groups.items, c->access.admin_groups.n, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = access_list_new(&p->submitters, NULL, 0, c->access.submit_groups.items,
-                           c->access.submit_groups.n, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(access_list_new(&p->admins, c->access.admin_users.items, c->access.admin_users.n,
+                        c->access.admin_groups.items, c->access.admin_groups.n, err));
+    TRY(access_list_new(&p->submitters, NULL, 0, c->access.submit_groups.items,
+                        c->access.submit_groups.n, err));
     return access_list_new(&p->priority, c->access.priority_users.items, c->access.priority_users.n,
                            c->access.priority_groups.items, c->access.priority_groups.n, err);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/core/reload.h"
 
+#include "base/cleanup.h"
+
 #include "log/log.h"
 #include "service/core/descriptors.h"
 #include "service/core/parts.h"
@@ -93,10 +95,8 @@ static int replace_config(service *s, sheard_config *fresh, sheard_msg_reloaded 
 static int replace_all(service *s, sheard_config *fresh, sheard_msg_reloaded *reply,
                        shear_error *err) {
     permissions found;
-    int code = permissions_init(&found, fresh, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = s->hooks->check_reload(s, fresh, err);
+    TRY(permissions_init(&found, fresh, err));
+    int code = s->hooks->check_reload(s, fresh, err);
     code = code == SHEAR_OK ? replace_config(s, fresh, reply, err) : code;
     if (code != SHEAR_OK) {
         permissions_deinit(&found);

@@ -58,11 +58,8 @@ static int shared_truth(const service *s, const store_field *f, store_truth *tru
                         shear_error *err) {
     bool any = f->jobs > 0;
     *truth = (store_truth){.known = false};
-    if (any) {
-        const int code = store_field_truth(s->store, f->name, f->settings_digest, truth, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    if (any)
+        TRY(store_field_truth(s->store, f->name, f->settings_digest, truth, err));
     for (const active_job *j = s->jobs->first; (j = next_of(j, f)) != NULL; j = j->next) {
         const shear_field_info *info = &j->info;
         if (!any) {
@@ -167,9 +164,7 @@ int field_report(const service *s, const store_field *f, const shear_settings *s
     store_truth truth;
     int code = listed_init(&files, counted, err);
     code = code == SHEAR_OK ? shared_truth(s, f, &truth, err) : code;
-    code = code == SHEAR_OK ? first_plan(s, f, &first, err) : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(code == SHEAR_OK ? first_plan(s, f, &first, err) : code);
     CLEANUP(release_free) char *top_file = find_top_file(s, f, result);
     return write_report(f, settings, result, &first, &truth, top_file, files.files, files.n, text,
                         err);

@@ -38,11 +38,8 @@ int field_result_now(service *s, const store_field *f, const shear_settings *set
     *out = (field_result){.running = calloc(SHEARD_MSG_LIST_MAX, sizeof *out->running)};
     if (out->running == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    const int code = f->sums != NULL && f->sums[0] != '\0'
-                         ? shear_field_sums_parse(&sums, f->sums, err)
-                         : shear_field_sums_new(&sums, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(f->sums != NULL && f->sums[0] != '\0' ? shear_field_sums_parse(&sums, f->sums, err)
+                                              : shear_field_sums_new(&sums, err));
     add_running(s, f, sums, !shear_estimator_is_symmetric(settings->estimator), out);
     return result_of(s, f, settings, sums, since, &out->result, &out->jobs, err);
 }
@@ -74,9 +71,7 @@ static store_field *find_row(const store_field_page *page, const char *digest) {
 static int add_row(store_field_page *page, const char *name, const active_job *j,
                    shear_error *err) {
     char settings[SHEARD_MSG_SETTINGS_SIZE];
-    const int code = sheard_settings_write(&j->settings, settings, sizeof settings, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sheard_settings_write(&j->settings, settings, sizeof settings, err));
     store_field *larger = realloc(page->fields, (page->n + 1) * sizeof *larger);
     if (larger == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the rows of a field");
@@ -97,11 +92,8 @@ int field_result_add_rows(const service *s, const char *name, store_field_page *
     for (const active_job *j = s->jobs->first; j != NULL; j = j->next) {
         if (!active_job_is_of(j, name, NULL))
             continue;
-        if (find_row(page, j->digest) == NULL) {
-            const int code = add_row(page, name, j, err);
-            if (code != SHEAR_OK)
-                return code;
-        }
+        if (find_row(page, j->digest) == NULL)
+            TRY(add_row(page, name, j, err));
         store_field *f = find_row(page, j->digest);
         if (f >= page->fields + counted)
             f->unfinished++;

@@ -29,9 +29,7 @@ static int look_at(no_result *r, store *s, const store_contribution *c, shear_er
     shear_field_sums *sums = NULL;
     shear_result own;
     int code = store_contribution_sums(s, c->id, &text, err);
-    code = code == SHEAR_OK ? shear_field_sums_parse(&sums, text, err) : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(code == SHEAR_OK ? shear_field_sums_parse(&sums, text, err) : code);
     shear_field_result(sums, &own);
     shear_field_sums_free(sums);
     const bool to_blame = own.n_used > 0 && !(own.sum_d > 0.0 && isfinite(own.sum_d));

@@ -169,9 +169,7 @@ static int claim_unmarked(service *s, const char *directory, const char *mark, s
     char why[160];
     directory_content c = {.directory = directory};
     int code = store_last_job(s->store, &c.last_job, err);
-    code = code == SHEAR_OK ? catalog_directory_visit(s, directory, count, &c, err) : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(code == SHEAR_OK ? catalog_directory_visit(s, directory, count, &c, err) : code);
     if (c.strange != 0) {
         snprintf(why, sizeof why,
                  "there is one of a job %" PRId64 ", which this one has not had yet", c.strange);
@@ -195,9 +193,7 @@ int catalog_directory_claim(service *s, const char *directory, shear_error *err)
     CLEANUP(release_free) char *mark = mark_path(directory);
     if (mark == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for the catalogs' mark");
-    const int code = directory_make(directory, 0750, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(directory_make(directory, 0750, err));
     const int error = read_mark(mark, text);
     if (error == ENOENT)
         return claim_unmarked(s, directory, mark, err);

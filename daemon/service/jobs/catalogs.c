@@ -113,9 +113,7 @@ int catalogs_open(service *s, shear_error *err) {
     if (!s->config.catalogs.enabled)
         return SHEAR_OK;
     int code = catalog_directory_claim(s, directory, err);
-    code = code == SHEAR_OK ? catalog_directory_visit(s, directory, clean_up, NULL, err) : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(code == SHEAR_OK ? catalog_directory_visit(s, directory, clean_up, NULL, err) : code);
     catalog_directory_renew_mark(directory);
     return SHEAR_OK;
 }

@@ -32,9 +32,7 @@ static void tell_name(post_commit *post, int code, const shear_error *err) {
 
 /* Take the field's name from the file, if the job was submitted without one. */
 static int name_field(active_job *j, const engine_event *e, shear_error *err) {
-    const int code = shear_field_need_name(&e->info, j->path, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(shear_field_need_name(&e->info, j->path, err));
     j->field = strdup(e->info.name);
     return j->field != NULL ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
 }

@@ -89,9 +89,7 @@ static void start_marked(post_commit *post, int code, const shear_error *err) {
 static int release(service *s, int64_t id, shear_error *err) {
     enum store_state state = STORE_QUEUED;
     int code = group_begin(&s->group, err);
-    code = code == SHEAR_OK ? store_release(s->store, id, clock_wall_ms(), &state, err) : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(code == SHEAR_OK ? store_release(s->store, id, clock_wall_ms(), &state, err) : code);
     log_notice("job %" PRId64 " is queued again", id);
     job_outcome_settle(s, id);
     return SHEAR_OK;

@@ -62,10 +62,8 @@ static int make_row(field_rows *w, const store_field *f, shear_error *err) {
     const sheard_msg_field *p = &w->list.request.params.field;
     w->made = true;
     if (p->limit > 0 && f->jobs > 0) {
-        const int code = store_contributions(w->list.s->store, f->name, f->settings_digest,
-                                             p->after, (size_t)p->limit, &w->contributions, err);
-        if (code != SHEAR_OK)
-            return code;
+        TRY(store_contributions(w->list.s->store, f->name, f->settings_digest, p->after,
+                                (size_t)p->limit, &w->contributions, err));
     }
     return field_to_message(w->list.s, f, w->since, &w->contributions, &w->row, &w->why, err);
 }

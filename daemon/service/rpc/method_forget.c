@@ -56,9 +56,7 @@ static void forgotten(post_commit *post, int code, const shear_error *err) {
 /* List the digests of the rows to be removed, for the change notifier. */
 static int list_rows(service *s, const sheard_msg_forget *p, buffer *digests, shear_error *err) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
-    const int code = store_field_get(s->store, p->field, &page, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(store_field_get(s->store, p->field, &page, err));
     for (size_t i = 0; i < page.n; i++) {
         const char *digest = page.fields[i].settings_digest;
         if (p->digest == NULL || strcmp(p->digest, digest) == 0)
@@ -78,11 +76,8 @@ static int forget(service *s, const server_request *r, shear_error *err) {
     snprintf(reply->field, sizeof reply->field, "%s", p->field);
     int code = list_rows(s, p, &digests, err);
     code = code == SHEAR_OK ? group_begin(&s->group, err) : code;
-    code = code == SHEAR_OK
-               ? store_forget(s->store, p->field, p->digest, &reply->waiter.numbers, err)
-               : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(code == SHEAR_OK ? store_forget(s->store, p->field, p->digest, &reply->waiter.numbers, err)
+                         : code);
     estimates_note_retraction(s);
     forgotten_field *f = group_then(&s->group, forgotten, 0, sizeof *f);
     if (f == NULL)

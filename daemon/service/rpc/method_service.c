@@ -24,9 +24,7 @@ static int metrics_text(service *s, char **text, shear_error *err) {
     CLEANUP(status_deinit) status st = {.problems = NULL};
     server_statistics net;
     size_t size = 0;
-    const int code = status_init(&st, s, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(status_init(&st, s, err));
     FILE *out = open_memstream(text, &size);
     if (out != NULL) {
         server_get_statistics(s->server, &net);

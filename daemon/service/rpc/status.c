@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/rpc/status.h"
 
+#include "base/cleanup.h"
+
 #include "log/log.h"
 #include "service/core/clock.h"
 #include "service/core/descriptors.h"
@@ -95,9 +97,7 @@ static int fill_store(const service *s, sheard_msg_status *out, const char *path
     store_counts counts;
     store_totals totals;
     int code = store_count(s->store, &counts, err);
-    code = code == SHEAR_OK ? store_total(s->store, &totals, err) : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(code == SHEAR_OK ? store_total(s->store, &totals, err) : code);
     out->queue.length = counts.unfinished;
     out->states = (sheard_msg_states){.queued = counts.jobs[STORE_QUEUED],
                                       .running = counts.jobs[STORE_RUNNING],
