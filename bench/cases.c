@@ -2,7 +2,6 @@
 #include "cases.h"
 
 #include "base/cleanup.h"
-
 #include "timer.h"
 
 #include <math.h>

@@ -2,7 +2,6 @@
 #include "options.h"
 
 #include "base/cleanup.h"
-
 #include "value.h"
 
 #include <inttypes.h>

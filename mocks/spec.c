@@ -2,7 +2,6 @@
 #include "spec.h"
 
 #include "base/cleanup.h"
-
 #include "galaxy.h"
 #include "options.h"
 #include "psf.h"

@@ -2,7 +2,6 @@
 #include "local/measure_input.h"
 
 #include "base/cleanup.h"
-
 #include "terminal/message.h"
 
 #include <stdlib.h>

@@ -3,7 +3,6 @@
 #include "plot/sheet.h"
 
 #include "base/cleanup.h"
-
 #include "plot/text.h"
 
 #include <inttypes.h>

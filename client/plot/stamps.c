@@ -2,7 +2,6 @@
 #include "plot/stamps.h"
 
 #include "base/cleanup.h"
-
 #include "shear/run.h"
 
 #include <inttypes.h>

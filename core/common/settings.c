@@ -3,7 +3,6 @@
 #include "shear/settings.h"
 
 #include "base/cleanup.h"
-
 #include "base/spelling.h"
 #include "base/text.h"
 

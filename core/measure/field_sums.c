@@ -2,7 +2,6 @@
 #include "measure/field_sums.h"
 
 #include "base/cleanup.h"
-
 #include "base/text.h"
 #include "common/release.h"
 

@@ -2,9 +2,8 @@
 /* Errors of a field's shear from leaving out groups of its blocks in turn. */
 #include "shear/sums.h"
 
-#include "base/cleanup.h"
-
 #include "base/array.h"
+#include "base/cleanup.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
 #include "measure/internal.h"
 
 #include "base/cleanup.h"
-
 #include "common/release.h"
 #include "measure/memory.h"
 

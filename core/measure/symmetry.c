@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/symmetry.h"
 
-#include "base/cleanup.h"
-
 #include "base/array.h"
+#include "base/cleanup.h"
 #include "measure/block_sums.h"
 
 #include <math.h>

@@ -2,7 +2,6 @@
 #include "measure/transfer.h"
 
 #include "base/cleanup.h"
-
 #include "base/simd.h"
 #include "shear/psf.h"
 

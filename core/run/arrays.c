@@ -3,7 +3,6 @@
 #include "shear/arrays.h"
 
 #include "base/cleanup.h"
-
 #include "common/release.h"
 #include "run/images.h"
 #include "run/team.h"

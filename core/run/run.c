@@ -3,7 +3,6 @@
 #include "shear/run.h"
 
 #include "base/cleanup.h"
-
 #include "base/clock.h"
 #include "common/release.h"
 #include "run/file_source.h"

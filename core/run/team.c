@@ -2,7 +2,6 @@
 #include "run/team.h"
 
 #include "base/cleanup.h"
-
 #include "common/release.h"
 
 #include <omp.h>

@@ -7,7 +7,6 @@
 #include "shear/work.h"
 
 #include "base/cleanup.h"
-
 #include "common/release.h"
 #include "run/reorder_buffer.h"
 

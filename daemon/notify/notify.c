@@ -2,7 +2,6 @@
 #include "notify/notify.h"
 
 #include "base/cleanup.h"
-
 #include "base/clock.h"
 #include "base/text.h"
 #include "shear/text.h"

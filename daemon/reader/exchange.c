@@ -2,7 +2,6 @@
 #include "reader/exchange.h"
 
 #include "base/cleanup.h"
-
 #include "base/clock.h"
 #include "reader/child_process.h"
 #include "reader/child_stderr.h"

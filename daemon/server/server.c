@@ -2,7 +2,6 @@
 #include "server/server.h"
 
 #include "base/cleanup.h"
-
 #include "server/accept.h"
 #include "server/connection_loop.h"
 #include "server/internal.h"

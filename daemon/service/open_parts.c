@@ -2,7 +2,6 @@
 #include "service/open_parts.h"
 
 #include "base/cleanup.h"
-
 #include "log/log.h"
 #include "reader/program.h"
 #include "reader/scratch.h"

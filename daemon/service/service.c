@@ -3,7 +3,6 @@
 #include "service/service.h"
 
 #include "base/cleanup.h"
-
 #include "log/log.h"
 #include "service/core/clock.h"
 #include "service/core/parts.h"

@@ -2,7 +2,6 @@
 #include "spool/folders.h"
 
 #include "base/cleanup.h"
-
 #include "spool/spool.h"
 
 #include <assert.h>

@@ -2,7 +2,6 @@
 #include "store/job.h"
 
 #include "base/cleanup.h"
-
 #include "store/operation.h"
 
 #include <assert.h>

@@ -3,7 +3,6 @@
 #include "store/store.h"
 
 #include "base/cleanup.h"
-
 #include "store/job.h"
 #include "store/lock.h"
 #include "store/operation.h"

@@ -2,7 +2,6 @@
 #include "store/sums_text.h"
 
 #include "base/cleanup.h"
-
 #include "store/query.h"
 
 #include <stdio.h>

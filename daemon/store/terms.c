@@ -2,7 +2,6 @@
 #include "store/terms.h"
 
 #include "base/cleanup.h"
-
 #include "store/field_row.h"
 #include "store/operation.h"
 #include "store/query.h"

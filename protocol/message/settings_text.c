@@ -2,7 +2,6 @@
 #include "message/settings_text.h"
 
 #include "base/cleanup.h"
-
 #include "base/text.h"
 #include "sheard/messages.h"
 

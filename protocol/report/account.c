@@ -2,7 +2,6 @@
 #include "sheard/account.h"
 
 #include "base/cleanup.h"
-
 #include "report/parts.h"
 #include "json/text.h"
 

@@ -3,7 +3,6 @@
 #include "sheard/report_summary.h"
 
 #include "base/cleanup.h"
-
 #include "base/text.h"
 #include "json/text.h"
 

@@ -2,7 +2,6 @@
 #include "fits/field/parts.h"
 
 #include "base/cleanup.h"
-
 #include "base/text.h"
 
 #include <stdio.h>

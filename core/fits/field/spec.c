@@ -2,7 +2,6 @@
 #include "fits/field/spec.h"
 
 #include "base/cleanup.h"
-
 #include "fits/field/internal.h"
 #include "fits/field/name.h"
 

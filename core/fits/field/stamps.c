@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/stamps.h"
 
-#include "base/cleanup.h"
-
 #include "base/array.h"
+#include "base/cleanup.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
 #include "fits/header/header.h"
 
 #include "base/cleanup.h"
-
 #include "base/text.h"
 #include "fits/header/card.h"
 

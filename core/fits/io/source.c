@@ -2,7 +2,6 @@
 #include "fits/io/source.h"
 
 #include "base/cleanup.h"
-
 #include "base/text.h"
 #include "fits/io/gunzip.h"
 #include "shear/text.h"

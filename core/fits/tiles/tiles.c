@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/tiles/tiles.h"
 
-#include "base/cleanup.h"
-
 #include "base/array.h"
+#include "base/cleanup.h"
 #include "base/io.h"
 #include "fits/io/bits.h"
 #include "fits/tiles/tile_stream.h"

@@ -2,7 +2,6 @@
 #include "service/core/group.h"
 
 #include "base/cleanup.h"
-
 #include "log/log.h"
 
 #include <assert.h>

@@ -2,7 +2,6 @@
 #include "service/core/reload.h"
 
 #include "base/cleanup.h"
-
 #include "log/log.h"
 #include "service/core/descriptors.h"
 #include "service/core/parts.h"

@@ -2,7 +2,6 @@
 #include "service/rpc/status.h"
 
 #include "base/cleanup.h"
-
 #include "log/log.h"
 #include "service/core/clock.h"
 #include "service/core/descriptors.h"
