@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bench/cases.h: the cases that are timed. */
-#ifndef BENCH_CASES_H
-#define BENCH_CASES_H
+#pragma once
 
 #include "shear/plan.h"
 
@@ -37,5 +36,3 @@ void bench_data_measure(const bench_data *data, shear_workspace *ws, int repeats
 /* Do the same into the data's own rows. Returns the thread's processor time in microseconds per
  * pair. */
 double bench_data_time_pairs(const bench_data *data, shear_workspace *ws, int repeats);
-
-#endif

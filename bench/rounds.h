@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bench/rounds.h: timing of a case in rounds, each of which times everything once. A temporary
  * slowdown of the machine affects the whole round, so the medians of ratios are robust. */
-#ifndef BENCH_ROUNDS_H
-#define BENCH_ROUNDS_H
+#pragma once
 
 #include "stages.h"
 
@@ -17,5 +16,3 @@ typedef struct timing {
 
 /* Time a case. Returns 0, or a code whose message is in *err. */
 int rounds_time_case(const bench_case *c, int rounds, int threads, timing *out, shear_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bench/stages.h: times of the stages of a measurement, each in a loop over the stamps of a case.
  */
-#ifndef BENCH_STAGES_H
-#define BENCH_STAGES_H
+#pragma once
 
 #include "cases.h"
 
@@ -21,5 +20,3 @@ extern const char *const stage_names[N_STAGES];
 /* Time all stages once, in microseconds per pair. The total is that of shear_measure_range in the
  * same round. */
 void stages_time(const bench_data *d, shear_workspace *ws, int repeats, double us[N_STAGES]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bench/store_fill.h: creates a database of the service with many finished jobs. */
-#ifndef BENCH_STORE_FILL_H
-#define BENCH_STORE_FILL_H
+#pragma once
 
 #include "store/store.h"
 
@@ -13,5 +12,3 @@ int store_fill(const char *path, int64_t jobs, int64_t fields, shear_error *err)
 /* Return the exact sums of one synthetic file as text, to be freed by the caller; NULL if out of
  * memory. */
 char *store_fill_sums(void);
-
-#endif

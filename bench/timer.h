@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* timer.h: clock and median for the benchmarks. */
-#ifndef BENCH_TIMER_H
-#define BENCH_TIMER_H
+#pragma once
 
 /* Return the time of the monotonic clock in microseconds. */
 double timer_now_us(void);
@@ -10,5 +9,3 @@ double timer_processor_us(void);
 
 /* Return the median of n > 0 values, which are sorted in place. */
 double timer_median(double *values, int n);
-
-#endif

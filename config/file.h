@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* file.h: read a small file as a whole. */
-#ifndef CONFIG_FILE_H
-#define CONFIG_FILE_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -14,5 +13,3 @@ enum { CONFIG_FILE_MAX = 1 << 20 }; /* bytes */
  * exist and `may_miss` is true, *text is NULL. Return SHEAR_OK; SHEAR_E_IO if the file cannot be
  * read, is not a regular file or exceeds CONFIG_FILE_MAX; or SHEAR_E_NOMEM. */
 int file_read(const char *path, bool may_miss, char **text, size_t *size, shear_error *err);
-
-#endif

@@ -5,8 +5,7 @@
  * it, text after a section's bracket, lines without '='. A line that begins with white space
  * continues the value of the key above it. ' ;' begins a comment after a value, ';' and '#' at the
  * beginning of a line. Comments may have any length. A byte order mark is skipped. */
-#ifndef CONFIG_INI_TEXT_H
-#define CONFIG_INI_TEXT_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -23,5 +22,3 @@ typedef struct ini_events {
 
 /* Parse text[size], of any bytes. Return SHEAR_OK, also if there are faults, or SHEAR_E_NOMEM. */
 int ini_text_read(const char *text, size_t size, const ini_events *events, shear_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* origin.h: set a setting by its index and record where its value comes from; report problems at
  * such places. */
-#ifndef CONFIG_ORIGIN_H
-#define CONFIG_ORIGIN_H
+#pragma once
 
 #include "sheard/config.h"
 
@@ -35,5 +34,3 @@ void problems_warn(sheard_problems *problems, const char *where, const char *adv
  */
 int config_load_file(sheard_config *config, const char *path, bool may_miss,
                      sheard_problems *problems);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* table.h: the daemon's own rows of the table of settings, and its sections. */
-#ifndef CONFIG_TABLE_H
-#define CONFIG_TABLE_H
+#pragma once
 
 #include "sheard/config.h"
 
@@ -23,5 +22,3 @@ const char *config_nearest_key(const char *section, const char *key);
 
 /* Return another section that has this key, or NULL. */
 const char *config_section_of(const char *key);
-
-#endif

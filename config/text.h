@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* text.h: format text for messages, help and samples. */
-#ifndef CONFIG_TEXT_H
-#define CONFIG_TEXT_H
+#pragma once
 
 #include "sheard/config.h"
 
@@ -17,5 +16,3 @@ char *text_expected(const sheard_setting *s, char *buf, size_t size);
 
 /* Flush `out`. Return SHEAR_OK, or SHEAR_E_IO if anything could not be written. */
 int text_flushed(FILE *out, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* value.h: convert a setting's value between text and its member. */
-#ifndef CONFIG_VALUE_H
-#define CONFIG_VALUE_H
+#pragma once
 
 #include "base/member.h"
 #include "sheard/config.h"
@@ -46,5 +45,3 @@ void value_deinit(const sheard_setting *s, void *member);
 
 /* Return the size of the member in bytes. */
 size_t value_size(const sheard_setting *s);
-
-#endif

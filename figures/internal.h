@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* internal.h: the figure's struct and the functions that only this room uses. */
-#ifndef SHEAR_FIGURES_INTERNAL_H
-#define SHEAR_FIGURES_INTERNAL_H
+#pragma once
 
 #include "shear_figures/figure.h"
 
@@ -81,5 +80,3 @@ void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame);
 /* Draw ticks along y at x = edge, to the right, for colour bars. */
 void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *stretch,
                          const shear_ticks *ticks);
-
-#endif

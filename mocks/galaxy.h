@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* galaxy.h: the point sources of one galaxy, relative to its centre, and their rotation and
  * lensing. */
-#ifndef MOCKS_GALAXY_H
-#define MOCKS_GALAXY_H
+#pragma once
 
 #include "shear_mocks/mock.h"
 
@@ -22,5 +21,3 @@ void galaxy_rotate(int eighths, int n, double *x, double *y);
 
 /* Lens the points: x' = (1+g1) x + g2 y,  y' = g2 x + (1-g1) y. */
 void galaxy_lens(double g1, double g2, int n, double *x, double *y);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* noise.h: the three kinds of noise. Each has its own random sequence, so that they do not depend
  * on each other. */
-#ifndef MOCKS_NOISE_H
-#define MOCKS_NOISE_H
+#pragma once
 
 #include "painter.h"
 #include "random.h"
@@ -25,5 +24,3 @@ void noise_photons(random_sequence *r, double background, double subtract, const
 
 /* Add a Gaussian random number of standard deviation sigma to each pixel. */
 void noise_white(random_sequence *r, double sigma, const noise_place *place, double *image);
-
-#endif

@@ -13,8 +13,7 @@
  * spikes of W_B do not factorise: they take an exponential per pixel, in the segments of each row
  * that they reach.
  */
-#ifndef MOCKS_PAINTER_H
-#define MOCKS_PAINTER_H
+#pragma once
 
 #include "psf.h"
 
@@ -64,5 +63,3 @@ void painter_rotate(painter *p, double angle_deg);
 void painter_point(painter *p, double amplitude, double x, double y);
 /* Add the painted points to image[ny][nx], and clear the canvas. */
 void painter_finish(painter *p, double *image);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * (u, v) is the displacement in the PSF's own frame, which is rotated by `angle` from x towards y.
  */
-#ifndef MOCKS_PSF_H
-#define MOCKS_PSF_H
+#pragma once
 
 #include "shear_mocks/mock.h"
 
@@ -50,5 +49,3 @@ void psf_spikes_row(const psf_shape *p, double amplitude, double dx, double dy, 
 /* Sample W at `oversample` points per px, centred at ((nx-1)/2, (ny-1)/2): out [ny][nx]. */
 void psf_image(enum shear_mock_psf kind, double r_px, double angle_deg, int oversample, int nx,
                int ny, double *out);
-
-#endif

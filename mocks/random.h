@@ -4,8 +4,7 @@
  * The key (seed, stream) and one half of the counter, (index, item), identify a sequence; the other
  * half counts the numbers drawn. Sequences of different identity are independent, and starting one
  * takes no time. So every galaxy, stamp and pixel has its own sequence, independent of threads. */
-#ifndef MOCKS_RANDOM_H
-#define MOCKS_RANDOM_H
+#pragma once
 
 #include <gsl/gsl_rng.h>
 #include <stdint.h>
@@ -40,5 +39,3 @@ typedef struct random_sequence {
 void random_begin(random_sequence *r, uint64_t seed, int stream, uint64_t index, uint64_t item);
 /* Start another item of the same (seed, stream, index). */
 void random_item(random_sequence *r, uint64_t item);
-
-#endif

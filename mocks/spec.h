@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spec.h: values derived from a spec. */
-#ifndef MOCKS_SPEC_H
-#define MOCKS_SPEC_H
+#pragma once
 
 #include "shear_mocks/mock.h"
 
@@ -15,5 +14,3 @@ double spec_noise_amplitude(const shear_mock_spec *s);
 double spec_point_amplitude(const shear_mock_spec *s);
 /* Return the number of samples per side of the PSF image. */
 int spec_psf_side(const shear_mock_spec *s);
-
-#endif

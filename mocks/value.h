@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* value.h: conversion of option values from and to text. A parser accepts the whole text or returns
  * false. */
-#ifndef MOCKS_VALUE_H
-#define MOCKS_VALUE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +26,3 @@ bool value_copy(const char *text, char *value, size_t size);
 
 /* Write the shortest of %.15g, %.16g, %.17g that reads back to the same bits. Returns buf. */
 const char *value_of_double(double value, char buf[32]);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* command.h: the definition of a subcommand of shearctl, and the table of all subcommands. Each
  * file in commands/ defines one; CMakeLists.txt lists them. */
-#ifndef CLIENT_CMDLINE_COMMAND_H
-#define CLIENT_CMDLINE_COMMAND_H
+#pragma once
 
 #include "terminal/exit_code.h"
 
@@ -34,5 +33,3 @@ const command *command_find(const char *name);
 void command_print_usage(const command *self, void (*settings)(FILE *out), FILE *out);
 /* Print the short list of all subcommands. */
 void command_print_list(FILE *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* completion.h: the subcommands and their options as data for shell completion, extracted from the
  * help texts. */
-#ifndef CLIENT_CMDLINE_COMPLETION_H
-#define CLIENT_CMDLINE_COMPLETION_H
+#pragma once
 
 #include "cmdline/command.h"
 
@@ -18,5 +17,3 @@ enum exit_code completion_data_print(FILE *out);
 
 /* Print the `option` lines of one subcommand, found in its help text. */
 void completion_options(const char *name, const char *usage, FILE *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* input_path.h: file names on the command line: absolute paths, and the HDU of "FILE:HDU". */
-#ifndef CLIENT_CMDLINE_INPUT_PATH_H
-#define CLIENT_CMDLINE_INPUT_PATH_H
+#pragma once
 
 #include "shear/error.h"
 #include "shear/input.h"
@@ -19,5 +18,3 @@ int input_path_absolute(const char *name, char **path, shear_error *err);
  * called `name` including the colon, *length is the length of `name`. Returns SHEAR_OK, or
  * SHEAR_E_SETTING if the number or the length of the HDU's name is out of range. */
 int input_path_hdu(const char *name, shear_input_part *part, size_t *length, shear_error *err);
-
-#endif

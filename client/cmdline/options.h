@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* options.h: the parser of a subcommand's options, by a table with the destination of each value.
  */
-#ifndef CLIENT_CMDLINE_OPTIONS_H
-#define CLIENT_CMDLINE_OPTIONS_H
+#pragma once
 
 #include "cmdline/command.h"
 #include "cmdline/settings_options.h"
@@ -59,5 +58,3 @@ enum exit_code options_integer(const char *option, const char *text, int64_t min
  * EXIT_CODE_USAGE. */
 enum exit_code options_fail(const command *self, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* part_options.h: the options --galaxy, --noise, --psf and --catalog-in, which name a field's parts
  * in separate files or HDUs, each as FILE or FILE:HDU. */
-#ifndef CLIENT_CMDLINE_PART_OPTIONS_H
-#define CLIENT_CMDLINE_PART_OPTIONS_H
+#pragma once
 
 #include "cmdline/options.h"
 #include "shear/error.h"
@@ -50,5 +49,3 @@ typedef struct part_input {
  * in either case. */
 int part_input_init(part_input *p, const part_options *o, bool absolute, shear_error *err);
 void part_input_deinit(part_input *p);
-
-#endif

@@ -4,8 +4,7 @@
  *
  * Every setting is --NAME VALUE; a boolean one is --NAME and --no-NAME. options.h adds these
  * options to those of a subcommand. */
-#ifndef CLIENT_CMDLINE_SETTINGS_OPTIONS_H
-#define CLIENT_CMDLINE_SETTINGS_OPTIONS_H
+#pragma once
 
 #include "shear/settings.h"
 
@@ -35,5 +34,3 @@ int settings_options_handle(int value, const char *argument, shear_settings *s, 
 void settings_options_help(FILE *out);
 /* Print the same as an mdoc(7) list, for the manual page. */
 void settings_options_man(FILE *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* doctor.h: checks of the installation of the service (`shearctl doctor`). Each check reports one
  * or more results and changes nothing. */
-#ifndef CLIENT_DOCTOR_DOCTOR_H
-#define CLIENT_DOCTOR_DOCTOR_H
+#pragma once
 
 #include "remote/service.h"
 #include "sheard/check_result.h"
@@ -25,5 +24,3 @@ typedef struct doctor {
 /* Run all checks. On entry doctor.service is parsed, but not connected. */
 void doctor_run(doctor *d);
 void doctor_deinit(doctor *d);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* internal.h: the single checks of `shearctl doctor`, and the function that reports a result. */
-#ifndef CLIENT_DOCTOR_INTERNAL_H
-#define CLIENT_DOCTOR_INTERNAL_H
+#pragma once
 
 #include "doctor/doctor.h"
 
@@ -35,5 +34,3 @@ void doctor_check_clock(doctor *d);                   /* of the spool's file sys
 /* Check that `directory` is writable for the service's user (if this is root) or for this process.
  * If it is not, report that and return false. */
 bool doctor_test_write(doctor *d, const char *subject, const char *directory);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* catalog_path.h: the paths of the result catalogs (--catalog). */
-#ifndef CLIENT_LOCAL_CATALOG_PATH_H
-#define CLIENT_LOCAL_CATALOG_PATH_H
+#pragma once
 
 #include "local/measure_input.h"
 
@@ -11,5 +10,3 @@
  * existing file is replaced only with `force`. Returns EXIT_CODE_DONE, or another exit code if an
  * error has been printed. */
 enum exit_code catalog_paths_resolve(measure_input *inputs, size_t n, const char *out, bool force);
-
-#endif

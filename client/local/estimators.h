@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* estimators.h: a field's shear by the mean and by PDF symmetrization, and which one is more
  * precise. */
-#ifndef CLIENT_LOCAL_ESTIMATORS_H
-#define CLIENT_LOCAL_ESTIMATORS_H
+#pragma once
 
 #include "shear/symmetry.h"
 #include "sheard/report.h"
@@ -28,5 +27,3 @@ double estimators_ratio(const sheard_report_estimators *e);
 /* Write "pdf-sym's error is 2.1 times smaller: as if there were 4.4 times as many galaxies" into
  * buf. Returns buf. */
 char *estimators_words(const sheard_report_estimators *e, char *buf, size_t size);
-
-#endif

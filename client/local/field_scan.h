@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* field_scan.h: examine and measure every stamp of a field file: flags, noise, and the shear of all
  * stamps together. */
-#ifndef CLIENT_LOCAL_FIELD_SCAN_H
-#define CLIENT_LOCAL_FIELD_SCAN_H
+#pragma once
 
 #include "sheard/validation_report.h"
 #include "terminal/progress.h"
@@ -12,5 +11,3 @@
  * Uses memory for one block of stamps. */
 int field_scan(shear_field *field, const shear_plan *plan, progress *bar,
                sheard_validation_report *v, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure_group.h: measure the files of one field into one result. */
-#ifndef CLIENT_LOCAL_MEASURE_GROUP_H
-#define CLIENT_LOCAL_MEASURE_GROUP_H
+#pragma once
 
 #include "cmdline/part_options.h"
 #include "local/measure_input.h"
@@ -53,5 +52,3 @@ const measure_input *measure_group_top(const measure_group *group);
 size_t measure_group_files(const measure_group *group, sheard_report_file *files);
 /* Return whether all measured files have the same true shear, and store it in *g1, *g2. */
 bool measure_group_truth(const measure_group *group, double *g1, double *g2);
-
-#endif

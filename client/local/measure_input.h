@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure_input.h: the input files of one `shearctl measure`: the field of each, and whether it
  * could be measured. */
-#ifndef CLIENT_LOCAL_MEASURE_INPUT_H
-#define CLIENT_LOCAL_MEASURE_INPUT_H
+#pragma once
 
 #include "shear/field.h"
 #include "shear/run.h"
@@ -41,5 +40,3 @@ bool measure_input_is_wanted(const measure_input *input);
 enum exit_code measure_failure_of(int shear_code, bool writing);
 /* Return the exit code of the whole command. */
 enum exit_code measure_inputs_exit_code(const measure_input *inputs, size_t n);
-
-#endif

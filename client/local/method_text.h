@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* method_text.h: lines that describe the processing of the stamps: pixels and PSF, filter,
  * background, artefacts. */
-#ifndef CLIENT_LOCAL_METHOD_TEXT_H
-#define CLIENT_LOCAL_METHOD_TEXT_H
+#pragma once
 
 #include "shear/plan.h"
 #include "shear/settings.h"
@@ -35,5 +34,3 @@ int64_t method_text_artefacts(const int64_t *flagged);
  * to the caller. */
 method_lines method_text_of(const shear_plan_info *plan, const shear_settings *settings,
                             const char *r_psf, const char *beta, const char *core);
-
-#endif

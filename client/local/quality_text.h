@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* quality_text.h: lines on the quality of a result: the noise level, and the influence of single
  * stamps. */
-#ifndef CLIENT_LOCAL_QUALITY_TEXT_H
-#define CLIENT_LOCAL_QUALITY_TEXT_H
+#pragma once
 
 #include "shear/plan.h"
 #include "shear/sums.h"
@@ -27,5 +26,3 @@ quality_lines quality_text_of(const shear_result *result, const shear_plan_info 
 
 /* Print the lines "  level ..." and "  influence ..."; a line without known numbers is omitted. */
 void quality_text_print(const quality_lines *q, FILE *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rank.h: Spearman's rank correlation of two quantities of many stamps. */
-#ifndef CLIENT_LOCAL_RANK_H
-#define CLIENT_LOCAL_RANK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,5 +20,3 @@ rank_relation rank_relate(const double *x, const double *y, size_t n);
 /* Return whether the correlation is strong and significant: |correlation| is above 0.5 and above
  * 5/sqrt(n - 1), five standard deviations of uncorrelated values. */
 bool rank_is_strong(const rank_relation *r);
-
-#endif

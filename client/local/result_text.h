@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* result_text.h: print a field's result as text. */
-#ifndef CLIENT_LOCAL_RESULT_TEXT_H
-#define CLIENT_LOCAL_RESULT_TEXT_H
+#pragma once
 
 #include "local/measure_group.h"
 
@@ -9,5 +8,3 @@
 
 /* Print the result of a measured group. `settings` are those of the measurement. */
 void result_text_print(const measure_group *group, const shear_settings *settings, FILE *out);
-
-#endif

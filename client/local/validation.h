@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* validation.h: the conclusion of `shearctl validate`, once every stamp has been scanned. */
-#ifndef CLIENT_LOCAL_VALIDATION_H
-#define CLIENT_LOCAL_VALIDATION_H
+#pragma once
 
 #include "sheard/validation_report.h"
 
 /* Set v->good, and write the conclusion and the advice into *words. */
 void validation_conclude(sheard_validation_report *v, shear_error *words);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* validation_text.h: print the report of `shearctl validate` as text. */
-#ifndef CLIENT_LOCAL_VALIDATION_TEXT_H
-#define CLIENT_LOCAL_VALIDATION_TEXT_H
+#pragma once
 
 #include "sheard/validation_report.h"
 
@@ -9,5 +8,3 @@
 
 /* Print the report. */
 void validation_text_print(const sheard_validation_report *v, FILE *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* value_text.h: values of a result as text, and lines common to local results and reports of the
  * service. */
-#ifndef CLIENT_LOCAL_VALUE_TEXT_H
-#define CLIENT_LOCAL_VALUE_TEXT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -23,5 +22,3 @@ const char *value_text_error_method(const char *name);
 /* Print "400 of 403 used (2 galaxy_not_finite, 1 masked)"; a stamp may have several flags.
  * `flagged` is [SHEAR_N_FLAGS]. */
 void value_text_print_stamps(int64_t n_used, int64_t n_stamps, const int64_t *flagged, FILE *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* warnings.h: the warnings about one field's result, kept for its report and printed to standard
  * error. */
-#ifndef CLIENT_LOCAL_WARNINGS_H
-#define CLIENT_LOCAL_WARNINGS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -16,5 +15,3 @@ void warnings_add(warning_list *w, const char *format, ...) __attribute__((forma
 /* Print all warnings to standard error, each after "field NAME: ". */
 void warnings_print(const warning_list *w, const char *field);
 void warnings_deinit(warning_list *w);
-
-#endif

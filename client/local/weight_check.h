@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* weight_check.h: check whether WEIGHT depends on the stamps' brightness. Such weights bias the
  * shear (docs/method.md section 7). */
-#ifndef CLIENT_LOCAL_WEIGHT_CHECK_H
-#define CLIENT_LOCAL_WEIGHT_CHECK_H
+#pragma once
 
 #include "local/rank.h"
 #include "shear/stamp.h"
@@ -23,5 +22,3 @@ rank_relation weight_check_relation(const weight_check *c);
 
 /* Return the relation of WEIGHT with the power D, from a field's terms. */
 rank_relation weight_check_terms(const shear_symmetry *terms);
-
-#endif

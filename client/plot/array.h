@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* array.h: cut-outs and profiles of images and spectra. */
-#ifndef CLIENT_PLOT_ARRAY_H
-#define CLIENT_PLOT_ARRAY_H
+#pragma once
 
 #include "shear/error.h"
 #include "shear_figures/scale.h"
@@ -36,5 +35,3 @@ int plot_radial_mean(double *out, int bins, double width, const double *array,
 /* Set (*x, *y) to the centre of the samples above exp(-1/2) of the peak of array[ny][nx], in sample
  * indices; to the array's centre if no sample is positive. */
 void plot_core_centre(const double *array, int nx, int ny, double *x, double *y);
-
-#endif

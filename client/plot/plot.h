@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* plot.h: the figures of `shearctl plot`. */
-#ifndef CLIENT_PLOT_PLOT_H
-#define CLIENT_PLOT_PLOT_H
+#pragma once
 
 #include "base/cleanup.h"
 #include "shear/catalog.h"
@@ -27,5 +26,3 @@ int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *op
 /* Draw a result catalog: distributions, the shear with its errors, flags. *figure is to be freed by
  * the caller, NULL on error. */
 int plot_catalog(shear_figure **figure, const shear_catalog_table *table, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sheet.h: the parts of the figure for a field file. */
-#ifndef CLIENT_PLOT_SHEET_H
-#define CLIENT_PLOT_SHEET_H
+#pragma once
 
 #include "plot/array.h"
 #include "plot/stamps.h"
@@ -26,5 +25,3 @@ int sheet_cut_modes(plot_cut *cut, const double *modes, const stamp_reader *b,
 /* Return the description of a square image of a cut, with a logarithmic colour scale; NaN is light
  * grey. */
 shear_image sheet_cut_image(shear_rect cell, const char *title, const plot_cut *cut);
-
-#endif

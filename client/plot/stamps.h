@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* stamps.h: the stamps of a sheet: their selection, and the intermediate results of each. */
-#ifndef CLIENT_PLOT_STAMPS_H
-#define CLIENT_PLOT_STAMPS_H
+#pragma once
 
 #include "plot/plot.h"
 #include "shear/plan.h"
@@ -41,5 +40,3 @@ void sheet_stamp_deinit(sheet_stamp *stamp);
 /* Set *psf to the PSF of the stamp that was read last, [psf_ny][psf_nx], to be freed by the caller.
  */
 int stamp_reader_psf(double **psf, const stamp_reader *b, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* text.h: numbers and tables as text in figures. */
-#ifndef CLIENT_PLOT_TEXT_H
-#define CLIENT_PLOT_TEXT_H
+#pragma once
 
 #include "shear_figures/figure.h"
 
@@ -25,5 +24,3 @@ void plot_table_draw(const plot_table *t, shear_figure *f, shear_rect cell, cons
  * buf. */
 char *plot_print(char *buf, size_t size, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-#endif

@@ -4,8 +4,7 @@
  * Functions that return an enum connection_status write message and advice into *error (never NULL)
  * unless it is CONNECTION_OK. Every wait ends at its timeout, or when progress.h has caught a
  * signal. Nothing is printed here. */
-#ifndef CLIENT_REMOTE_CONNECTION_H
-#define CLIENT_REMOTE_CONNECTION_H
+#pragma once
 
 #include "remote/connection_status.h"
 
@@ -38,5 +37,3 @@ enum connection_status connection_call(connection *c, int method, const sheard_p
 
 /* Return the environment variable SHEARD_SOCKET, or "/run/sheard/sheard.sock" if it is not set. */
 const char *connection_default_path(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* connection_status.h: the result of a request to the service. */
-#ifndef CLIENT_REMOTE_CONNECTION_STATUS_H
-#define CLIENT_REMOTE_CONNECTION_STATUS_H
+#pragma once
 
 #include "sheard/codes.h"
 
@@ -20,5 +19,3 @@ enum connection_status {
 enum connection_status connection_fail(sheard_rpc_error *error, enum connection_status status,
                                        const char *advice, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* follow.h: wait until jobs have ended, with a progress bar on a terminal (submit --wait, wait). */
-#ifndef CLIENT_REMOTE_FOLLOW_H
-#define CLIENT_REMOTE_FOLLOW_H
+#pragma once
 
 #include "remote/follow_sum.h"
 #include "remote/service.h"
@@ -18,5 +17,3 @@ typedef struct follow_options {
  * those that are not done to standard error. Returns follow_exit_code, or another exit code if an
  * error has been printed. */
 enum exit_code follow_jobs(service *s, const int64_t *ids, size_t n, const follow_options *options);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* follow_sum.h: the total progress of several jobs, and the counts of how they ended. */
-#ifndef CLIENT_REMOTE_FOLLOW_SUM_H
-#define CLIENT_REMOTE_FOLLOW_SUM_H
+#pragma once
 
 #include "sheard/messages.h"
 #include "terminal/exit_code.h"
@@ -36,5 +35,3 @@ void follow_counts_add(follow_counts *counts, enum sheard_job_state state);
 
 /* Return the exit code of a command that waited for the jobs. */
 enum exit_code follow_exit_code(const follow_counts *counts);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* job_text.h: jobs as text: rows of a table, and all details of one job. */
-#ifndef CLIENT_REMOTE_JOB_TEXT_H
-#define CLIENT_REMOTE_JOB_TEXT_H
+#pragma once
 
 #include "sheard/messages.h"
 #include "terminal/text_table.h"
@@ -36,5 +35,3 @@ char *job_bar_text(const sheard_msg_progress *progress, int width, char *buf, si
 
 /* Print to standard error why a job is not done, with the advice; nothing if it is done. */
 void job_complain(const sheard_msg_job *job);
-
-#endif

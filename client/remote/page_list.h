@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* page_list.h: a list that the service returns in pages: jobs, fields. */
-#ifndef CLIENT_REMOTE_PAGE_LIST_H
-#define CLIENT_REMOTE_PAGE_LIST_H
+#pragma once
 
 #include "remote/service.h"
 #include "terminal/text_table.h"
@@ -29,5 +28,3 @@ struct page_list {
 enum exit_code page_list_print(page_list *list);
 /* Close the connection and free the table. */
 void page_list_deinit(page_list *list);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* report_text.h: print the result of a job or field, which the service sends as a JSON object. */
-#ifndef CLIENT_REMOTE_REPORT_TEXT_H
-#define CLIENT_REMOTE_REPORT_TEXT_H
+#pragma once
 
 #include <stdio.h>
 
@@ -9,5 +8,3 @@
  * Prints nothing if `report` is NULL. `reason`, if not NULL, explains in more detail than the
  * report why there is no shear. */
 void report_text_print(const char *report, const char *reason, FILE *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service.h: shared by all subcommands that connect to the service: their options, the connection,
  * error messages and exit codes. */
-#ifndef CLIENT_REMOTE_SERVICE_H
-#define CLIENT_REMOTE_SERVICE_H
+#pragma once
 
 #include "remote/connection.h"
 
@@ -78,5 +77,3 @@ enum exit_code service_outcomes_code(const service_outcomes *o);
 
 /* Parse a job's number. Returns an exit code; on failure an error has been printed. */
 enum exit_code service_job_id(const char *text, int64_t *id);
-
-#endif

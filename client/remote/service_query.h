@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service_query.h: subcommands that send a single request, or one per job on the command line. */
-#ifndef CLIENT_REMOTE_SERVICE_QUERY_H
-#define CLIENT_REMOTE_SERVICE_QUERY_H
+#pragma once
 
 #include "remote/service.h"
 
@@ -18,5 +17,3 @@ enum exit_code service_query_jobs(const command *self, int argc, char **argv, co
                                   int method, service_printer *print);
 /* Print the state of a job after cancel, retry or retract. For printers. */
 void service_query_print_job(const sheard_msg_job *job);
-
-#endif

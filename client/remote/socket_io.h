@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* socket_io.h: a Unix stream socket to the service, with deadlines: the transport of connection.h.
  */
-#ifndef CLIENT_REMOTE_SOCKET_IO_H
-#define CLIENT_REMOTE_SOCKET_IO_H
+#pragma once
 
 #include "remote/connection_status.h"
 
@@ -21,5 +20,3 @@ enum connection_status socket_io_send(int fd, const char *bytes, size_t n, doubl
  * the stream. */
 enum connection_status socket_io_receive(int fd, char *buf, size_t size, size_t *n, double deadline,
                                          sheard_rpc_error *error);
-
-#endif

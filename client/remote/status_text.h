@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* status_text.h: print the state of the service as text (status, watch). */
-#ifndef CLIENT_REMOTE_STATUS_TEXT_H
-#define CLIENT_REMOTE_STATUS_TEXT_H
+#pragma once
 
 #include "sheard/messages.h"
 
@@ -17,5 +16,3 @@ char *status_text_problem(const sheard_msg_status *s, size_t i, char *buf, size_
 void status_text_stopping(const sheard_msg_stopping *s, FILE *out);
 /* Print disks, connections and totals. */
 void status_text_rest(const sheard_msg_status *s, bool utc, FILE *out);
-
-#endif

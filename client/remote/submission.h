@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* submission.h: the requests of `shearctl submit`, built from the command line and job files. */
-#ifndef CLIENT_REMOTE_SUBMISSION_H
-#define CLIENT_REMOTE_SUBMISSION_H
+#pragma once
 
 #include "cmdline/part_options.h"
 #include "sheard/rpc.h"
@@ -31,5 +30,3 @@ typedef struct submission {
  * on failure an error has been printed. Call submission_deinit in either case. */
 enum exit_code submission_init(submission *s, const char *name, const submission_options *o);
 void submission_deinit(submission *s);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* watch_view.h: a snapshot of the service for `shearctl watch`: the requests for it, and its
  * output. */
-#ifndef CLIENT_REMOTE_WATCH_VIEW_H
-#define CLIENT_REMOTE_WATCH_VIEW_H
+#pragma once
 
 #include "remote/service.h"
 
@@ -34,5 +33,3 @@ void watch_view_deinit(watch_view *view);
 enum exit_code watch_view_print(const watch_view *view, FILE *out, bool colours, int columns);
 /* Print one JSON object on one line: status, active, finished, fields. */
 void watch_view_json(const watch_view *view, FILE *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bar.h: a progress bar as text, and the numbers after it. Pure functions. */
-#ifndef CLIENT_TERMINAL_BAR_H
-#define CLIENT_TERMINAL_BAR_H
+#pragma once
 
 #include <stddef.h>
 
@@ -15,5 +14,3 @@ char *bar_figures(double part, double rate, double left_s, char *buf, size_t siz
 
 /* Return done / total: 1 if total <= done, 0 if total is unknown (negative). */
 double bar_part(double done, double total);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* exit_code.h: the exit codes of shearctl, as documented in shearctl(1). */
-#ifndef CLIENT_TERMINAL_EXIT_CODE_H
-#define CLIENT_TERMINAL_EXIT_CODE_H
+#pragma once
 
 /* Scripts rely on these numbers. */
 enum exit_code {
@@ -15,5 +14,3 @@ enum exit_code {
     EXIT_CODE_UNREACHABLE = 7, /* no service, no reply, or a service of another version */
     EXIT_CODE_CANCELLED = 8    /* the jobs were cancelled */
 };
-
-#endif

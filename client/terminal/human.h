@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* human.h: times, durations, sizes and rates as text. Pure functions; those that write into buf
  * return buf. */
-#ifndef CLIENT_TERMINAL_HUMAN_H
-#define CLIENT_TERMINAL_HUMAN_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -29,5 +28,3 @@ char *human_rate(double per_second, char buf[HUMAN_SIZE]);
 /* Parse "90", "90s", "250ms", "5min", "2h" or "1d" into seconds. Returns false for anything else.
  */
 bool human_parse_duration(const char *text, double *seconds);
-
-#endif

@@ -3,8 +3,7 @@
  * ...".
  *
  * Control characters in file and field names, which could steer a terminal, are shown as '?'. */
-#ifndef CLIENT_TERMINAL_MESSAGE_H
-#define CLIENT_TERMINAL_MESSAGE_H
+#pragma once
 
 #include "terminal/exit_code.h"
 
@@ -26,5 +25,3 @@ void message_note(const char *format, ...) __attribute__((format(printf, 1, 2)))
 /* Copy text from outside into buf[size] for output on a terminal (shear/text.h), in ASCII only if
  * the locale is not UTF-8. Use it for every name, path and message that is printed. Returns buf. */
 char *message_clean(const char *text, char *buf, size_t size);
-
-#endif

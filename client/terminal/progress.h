@@ -5,8 +5,7 @@
  * Between progress_begin and progress_end the first SIGINT or SIGTERM makes progress_callback
  * return non-zero, so that the work stops with SHEAR_E_CANCELLED and cleans up. A second one ends
  * the process. There can be only one progress at a time. */
-#ifndef CLIENT_TERMINAL_PROGRESS_H
-#define CLIENT_TERMINAL_PROGRESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -36,5 +35,3 @@ void progress_end(progress *progress);
 bool progress_interrupted(void);
 /* Set that state, from a signal handler of another file (screen.h). */
 void progress_interrupt(void);
-
-#endif

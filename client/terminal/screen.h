@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* screen.h: full-screen output: the alternate screen, single key presses, and restoration of the
  * terminal at the end, also after SIGINT, SIGTERM and SIGHUP. One screen at a time. */
-#ifndef CLIENT_TERMINAL_SCREEN_H
-#define CLIENT_TERMINAL_SCREEN_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -21,5 +20,3 @@ void screen_draw(const char *text);
 bool screen_wait(double seconds);
 /* Wait without reading keys. */
 bool screen_sleep(double seconds);
-
-#endif

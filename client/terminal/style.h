@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* style.h: colours on a terminal, and the width of text in columns. */
-#ifndef CLIENT_TERMINAL_STYLE_H
-#define CLIENT_TERMINAL_STYLE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -31,5 +30,3 @@ int style_rows(int fd, int otherwise);
 int style_width(const char *text);
 /* Return how many bytes of `text` fit into `columns`, escape sequences included. */
 size_t style_fit(const char *text, int columns);
-
-#endif

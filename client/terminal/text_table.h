@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* text_table.h: tables of text. On a terminal they have colours and are cut to its width; otherwise
  * they are complete and plain. Characters that are not printable are shown as '?'. */
-#ifndef CLIENT_TERMINAL_TEXT_TABLE_H
-#define CLIENT_TERMINAL_TEXT_TABLE_H
+#pragma once
 
 #include "terminal/exit_code.h"
 
@@ -33,5 +32,3 @@ enum exit_code text_table_print(const text_table *table, FILE *out);
 enum exit_code text_table_render(const text_table *table, FILE *out, int indent, bool colours,
                                  int columns);
 size_t text_table_rows(const text_table *table);
-
-#endif

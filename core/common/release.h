@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* common/release.h: TYPE_release functions of libshear's own types, for CLEANUP
  * (base/cleanup.h). */
-#ifndef SHEAR_COMMON_RELEASE_H
-#define SHEAR_COMMON_RELEASE_H
+#pragma once
 
 #include "base/cleanup.h"
 #include "shear/field.h"
@@ -21,5 +20,3 @@ CLEANUP_DEFINE(shear_symmetry, shear_symmetry_free)
 CLEANUP_DEFINE(shear_work, shear_work_free)
 CLEANUP_DEFINE(shear_worker, shear_worker_free)
 CLEANUP_DEFINE(shear_workspace, shear_workspace_free)
-
-#endif

@@ -4,8 +4,7 @@
  * Every finite double is an integer multiple of 2^-1074. A sum is kept as that integer (GMP), so
  * that adding and joining never round and the order does not matter. Only exact_value rounds, once,
  * to the nearest double (ties away from zero). */
-#ifndef SHEAR_EXACT_EXACT_H
-#define SHEAR_EXACT_EXACT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -21,5 +20,3 @@ double exact_value(const exact_sum *sums, int i);
 char *exact_format(const exact_sum *sums, int i);
 /* Set sum i from such text. Return false if the text is not such a number. */
 bool exact_parse(exact_sum *sums, int i, const char *text);
-
-#endif

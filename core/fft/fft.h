@@ -8,8 +8,7 @@
  * timing would differ, and round differently, from process to process.
  *
  * Plans are immutable, and running them is thread-safe; making them is serialised inside. */
-#ifndef SHEAR_FFT_FFT_H
-#define SHEAR_FFT_FFT_H
+#pragma once
 
 #include <stddef.h>
 
@@ -53,5 +52,3 @@ fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size
 
 /* Transpose a square block: out[FFT_LANES c + r] = in[r step + c] for r, c < FFT_LANES. */
 void fft_transpose(const double *in, ptrdiff_t step, double *out);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * and leaves the result in natural order, without bit reversal. Each line is a lane of the vectors,
  * so butterflies need no shuffles and plain C vectorises. */
-#ifndef SHEAR_FFT_PASS_H
-#define SHEAR_FFT_PASS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -25,5 +24,3 @@ int fft_pass_radix(int n);
  * FFT_LANES if s > 1. The output has step FFT_LANES and must not overlap the input. */
 void fft_pass_run(const fft_pass *pass, const double *re, const double *im, size_t step,
                   double *out_re, double *out_im);
-
-#endif

@@ -19,8 +19,7 @@
  * shear, too.
  *
  * If the noise stamp has no noise, there is no threshold and nothing is found. */
-#ifndef SHEAR_MEASURE_ARTEFACT_H
-#define SHEAR_MEASURE_ARTEFACT_H
+#pragma once
 
 #include "measure/photometry.h"
 #include "measure/sharpness.h"
@@ -56,5 +55,3 @@ double artefact_sigma(const artefact_pair *pair);
 size_t artefact_border(const double *pixels, int nx, int ny, double *values);
 /* Return the first column of strip i, as in photometry_begin. */
 int artefact_strip_start(const artefact_pair *pair, int i);
-
-#endif

@@ -13,8 +13,7 @@
  * lie beyond the last grid point, in the cell that closes the period. There f is linear between the
  * last and the first point, so that a constant stays constant, the fine grid is as symmetric as the
  * stamp, and interpolation adds no jump to what the DFT sees. */
-#ifndef SHEAR_MEASURE_AXIS_H
-#define SHEAR_MEASURE_AXIS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -57,5 +56,3 @@ void axis_slopes_marked(const axis *ax, const double *marks, const double *f, do
 /* Return f at a fine point of such a line; -INFINITY (a mark) in a cell that touches a mark. */
 double axis_between_marks(const axis_point *p, double f_left, double f_right, double e_left,
                           double e_right);
-
-#endif

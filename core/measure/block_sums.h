@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/block_sums.h: the terms that a row adds to the sums of its block. */
-#ifndef SHEAR_MEASURE_BLOCK_SUMS_H
-#define SHEAR_MEASURE_BLOCK_SUMS_H
+#pragma once
 
 #include "shear/sums.h"
 
@@ -9,5 +8,3 @@
  * large (1e280) that sums of terms, or products of such sums, could overflow: such a row cannot be
  * used. */
 bool block_terms(const shear_row *row, double *terms);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/field_sums.h: the members of a field's exact sums, for the files that compute results. */
-#ifndef SHEAR_MEASURE_FIELD_SUMS_H
-#define SHEAR_MEASURE_FIELD_SUMS_H
+#pragma once
 
 #include "exact/exact.h"
 #include "shear/sums.h"
@@ -18,5 +17,3 @@ typedef struct noise_shape {
     double n1, n2, d, u, v;
 } noise_shape;
 noise_shape noise_shape_of(const shear_field_sums *f);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/filter.h: the border filter of Zhang (2010), section 4.2, on a grid. */
-#ifndef SHEAR_MEASURE_FILTER_H
-#define SHEAR_MEASURE_FILTER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -31,5 +30,3 @@ void filter_map_fill(filter_map *m, double core_px, double width_px);
 /* Return the core of filter=edge: the filter has fallen to 1e-3 at the nearest edge,
  * (min(nx,ny)-1)/2 from the centre. May be negative. */
 double filter_edge_core(int nx, int ny, double width_px);
-
-#endif

@@ -6,8 +6,7 @@
  * ny/2 are left out, because they would need a group of their own. Large stamps have more modes
  * than are needed; then only the last group of rows is read, and as many from the first on as
  * contain MODES modes. Only without interpolation. */
-#ifndef SHEAR_MEASURE_HIGH_POWER_H
-#define SHEAR_MEASURE_HIGH_POWER_H
+#pragma once
 
 #include "measure/moments.h"
 
@@ -48,5 +47,3 @@ static inline bool high_band_wants(const high_band *b, int group) {
 
 /* Add the modes of one such group. */
 void high_power_add(high_power *p, const high_band *b, const mode_rows *rows);
-
-#endif

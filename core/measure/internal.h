@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/internal.h: the members of a plan and a workspace, for the files that execute them. */
-#ifndef SHEAR_MEASURE_INTERNAL_H
-#define SHEAR_MEASURE_INTERNAL_H
+#pragma once
 
 #include "fft/fft.h"
 #include "measure/filter.h"
@@ -91,5 +90,3 @@ void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const sh
                            uint32_t *flags);
 const transfer *measure_choose_transfer(const shear_plan *plan, shear_workspace *ws,
                                         const shear_stamps *stamps, int i, uint32_t *flags);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * A unit test compares the numbers with what malloc hands out, so that they agree with the *_init
  * functions. */
-#ifndef SHEAR_MEASURE_MEMORY_H
-#define SHEAR_MEASURE_MEMORY_H
+#pragma once
 
 #include "shear/plan.h"
 
@@ -24,5 +23,3 @@ int64_t memory_of_planning(const memory_of *m);
 int memory_last_row(const shear_plan_info *info);
 /* Bytes of one workspace that keeps rows of modes 0 .. last_jy. */
 int64_t memory_of_workspace(const memory_of *m, int last_jy);
-
-#endif

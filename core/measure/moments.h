@@ -7,8 +7,7 @@
  * is the corrected power at once (Zhang (2010), eq. (8), mode by mode; all moments are even in k).
  * Its imaginary part is the cross spectrum 2 Re[G(k) N*(k)].
  */
-#ifndef SHEAR_MEASURE_MOMENTS_H
-#define SHEAR_MEASURE_MOMENTS_H
+#pragma once
 
 #include "measure/transfer.h"
 
@@ -40,5 +39,3 @@ void moments_join(moments *m, double factor, const moments *other);
 
 /* Return the corrected power of mode (jx, FFT_LANES group + lane). For images only. */
 double moments_power(const mode_rows *rows, int jx, int lane);
-
-#endif

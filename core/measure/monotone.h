@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/monotone.h: the root of a decreasing function, which may have steps. */
-#ifndef SHEAR_MEASURE_MONOTONE_H
-#define SHEAR_MEASURE_MONOTONE_H
+#pragma once
 
 typedef struct monotone {
     double (*at)(void *context, double x);
@@ -11,5 +10,3 @@ typedef struct monotone {
 /* Find the root between `low`, where the function is > 0, and `high`, where it is <= 0: false
  * position with the Illinois rule, until two steps differ by less than `tolerance`. */
 double monotone_find_root(const monotone *f, double low, double high, double tolerance);
-
-#endif

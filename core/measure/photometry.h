@@ -3,8 +3,7 @@
  *
  * The pair is read strip by strip, so that each strip is still in the first-level cache when it is
  * packed. */
-#ifndef SHEAR_MEASURE_PHOTOMETRY_H
-#define SHEAR_MEASURE_PHOTOMETRY_H
+#pragma once
 
 #include "base/simd.h"
 #include "fft/fft.h"
@@ -100,5 +99,3 @@ border border_of(const double *pixels, int nx, int ny);
 /* Return sum (1 - filter) (galaxy - noise). */
 double photometry_removed(const double *filter, const double *galaxy, const double *noise,
                           size_t pixels);
-
-#endif

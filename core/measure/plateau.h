@@ -3,8 +3,7 @@
  *
  * It is the mean over the modes with |k| > 3/4 of Nyquist, the corners included (Zhang, Luo &
  * Foucaud 2015). Only without interpolation, which would colour white noise. */
-#ifndef SHEAR_MEASURE_PLATEAU_H
-#define SHEAR_MEASURE_PLATEAU_H
+#pragma once
 
 #include "measure/moments.h"
 
@@ -28,5 +27,3 @@ void plateau_deinit(plateau *p);
 double plateau_part(const plateau *p, const mode_rows *rows);
 /* The same for the noise stamp alone. */
 double plateau_of_noise(const plateau *p, const mode_rows *rows);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/psf.h: checks and interpolation of a PSF image. */
-#ifndef SHEAR_MEASURE_PSF_H
-#define SHEAR_MEASURE_PSF_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -17,5 +16,3 @@ void psf_refine(const double *psf, int nx, int ny, int x, int y, int fine, doubl
 /* Return the PSF at any (x, y), in samples; if a neighbouring sample is not positive, the nearest
  * one, or 0. */
 double psf_at(const double *psf, int nx, int ny, double x, double y);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * A profile is the galaxy's image, PSF included, at the radii (i + 1/2) RADIAL_STEP. The PSF is
  * approximated by a Gaussian of its scale radius. */
-#ifndef SHEAR_MEASURE_RADIAL_H
-#define SHEAR_MEASURE_RADIAL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,5 +33,3 @@ void radial_load(radial *q);
 /* Return the shear that is measured through the filter (measure/filter.h), over that without a
  * filter; NaN if the profile has none. */
 double radial_response(radial *q, double core_px, double width_px);
-
-#endif

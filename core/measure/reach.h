@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/reach.h: how far a file's galaxies reach, and the smallest filter that leaves them whole
  * (filter=auto; docs/method.md, section 2). */
-#ifndef SHEAR_MEASURE_REACH_H
-#define SHEAR_MEASURE_REACH_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -29,5 +28,3 @@ void reach_add(reach *r, const double *galaxy, const double *noise);
  * this width takes less than 1e-4 of the mean profile's shear; NaN if the stamps are too small for
  * it, or too few or too faint to decide. Return false if out of memory. */
 bool reach_core(reach *r, double r_psf, double beta, double width, double *core);
-
-#endif

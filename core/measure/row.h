@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/row.h: fill a stamp's row from its pixels and spectra. */
-#ifndef SHEAR_MEASURE_ROW_H
-#define SHEAR_MEASURE_ROW_H
+#pragma once
 
 #include "measure/photometry.h"
 #include "measure/spectra.h"
@@ -18,5 +17,3 @@ void row_fill_noise(shear_row *row, const spectra *sp, const shear_plan *plan);
 /* Fill in the moments and the terms made of them (docs/method.md, section 4). Call it last: it
  * flags a row that no sum could hold. */
 void row_fill_moments(shear_row *row, const moments *m, double beta);
-
-#endif

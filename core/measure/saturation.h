@@ -11,8 +11,7 @@
  * that photon counts and other integers, which are often equal, are not taken for flat tops. Nor
  * are images whose pixels all come in groups: the value below the brightest must have less than a
  * third as many pixels. */
-#ifndef SHEAR_MEASURE_SATURATION_H
-#define SHEAR_MEASURE_SATURATION_H
+#pragma once
 
 #include "measure/artefact.h"
 
@@ -22,5 +21,3 @@ bool saturation_suspected(const artefact_pair *pair, double sigma);
 
 /* Return the first pixel of a flat top; x = -1: there is none. */
 artefact saturation_find(const artefact_pair *pair, double sigma);
-
-#endif

@@ -13,8 +13,7 @@
  * 2. A score that follows the noise of its own stamps makes S(g) = sum_i score_i (n_i - n_-i) look
  * steeper than it is. Therefore the slope of each group of stamps is computed with scores from all
  * other groups, which do not contain this group's noise. */
-#ifndef SHEAR_MEASURE_SCORE_H
-#define SHEAR_MEASURE_SCORE_H
+#pragma once
 
 #include "measure/sign_histogram.h"
 
@@ -48,5 +47,3 @@ double scores_slope(scores *s, const sign_histogram *h, double g, double half);
 /* Fit the curve of note 1 with 1 to SCORE_TERMS terms to fall [bins], the responses, and size
  * [bins], the variances of n_i - n_-i. Terms that the bins cannot distinguish are left out. */
 void score_curve(const double *fall, const double *size, int bins, int terms, double *score);
-
-#endif

@@ -4,8 +4,7 @@
  * The sky is a sum of PSFs with positive fluxes, at any places between the pixels. If each of them
  * obeys p <= ratio * min(mean of left and right, mean of below and above) + leak * flux, so does
  * their sum: no galaxy, star or blend of any shape can violate it. */
-#ifndef SHEAR_MEASURE_SHARPNESS_H
-#define SHEAR_MEASURE_SHARPNESS_H
+#pragma once
 
 typedef struct sharpness {
     double ratio; /* the largest, over all places between the pixels, where the PSF has more than 2
@@ -16,5 +15,3 @@ typedef struct sharpness {
 /* Return the sharpness of a PSF image [ny][nx] with q samples per pixel, which need not pass
  * psf_check. Allocates nothing. */
 sharpness sharpness_of(const double *psf, int nx, int ny, int q);
-
-#endif

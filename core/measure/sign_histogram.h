@@ -4,8 +4,7 @@
  *
  * The values are counted in bins of |value|, separately for the two signs: bin i keeps n_i - n_-i
  * and n_i + n_-i. All counts are integers, so that nothing depends on the order of stamps. */
-#ifndef SHEAR_MEASURE_SIGN_HISTOGRAM_H
-#define SHEAR_MEASURE_SIGN_HISTOGRAM_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -45,5 +44,3 @@ int64_t sign_histogram_balance(const sign_histogram *h, double g);
  * least one. Bin i begins at the fraction 1 - (1 - i/bins)^2 of them: bins become finer towards the
  * tail, which holds the information on the shear of a Gaussian. scratch is [n]. */
 void sign_histogram_quantiles(const sign_histogram *h, double g, double *scratch, double *edge);
-
-#endif

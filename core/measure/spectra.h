@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/spectra.h: all that is summed over the modes of a packed pair, in one pass over their
  * rows. */
-#ifndef SHEAR_MEASURE_SPECTRA_H
-#define SHEAR_MEASURE_SPECTRA_H
+#pragma once
 
 #include "measure/internal.h"
 
@@ -28,5 +27,3 @@ void spectra_set_noise(spectra *s, const spectra *all, int n);
 void spectra_forget_noise(spectra *s);
 /* Subtract the shot noise's plateau from the difference, if the plan says so. */
 void spectra_subtract_plateau(spectra *s, const shear_plan *plan, const transfer *t);
-
-#endif

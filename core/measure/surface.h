@@ -4,8 +4,7 @@
  * At the pixels the surface is defined by its value, its slopes along x and y, and the mixed slope
  * (in the sense of the axes' kind). These are stored transposed, [x][y]: a strip's columns are
  * interpolated along x with rows as lanes, the result along y with columns as lanes. */
-#ifndef SHEAR_MEASURE_SURFACE_H
-#define SHEAR_MEASURE_SURFACE_H
+#pragma once
 
 #include "measure/axis.h"
 #include "shear/settings.h"
@@ -45,5 +44,3 @@ bool surface_load(surface *s, const surface_grid *g, const double *pixels, int *
 /* Interpolate columns [x0, x0 + FFT_LANES) of fine rows [y0, y1) into out[fine_ny][FFT_LANES];
  * columns beyond the last are undefined. Changes the scratch of *s. */
 void surface_strip(surface *s, const surface_grid *g, int x0, int y0, int y1, double *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/symmetry.h: the members of a field's terms, for the files that solve for the shear. */
-#ifndef SHEAR_MEASURE_SYMMETRY_H
-#define SHEAR_MEASURE_SYMMETRY_H
+#pragma once
 
 #include "measure/field_sums.h"
 #include "shear/symmetry.h"
@@ -22,5 +21,3 @@ struct shear_symmetry {
 /* shear_symmetry_solve for terms from which their excess times `shape` is subtracted. */
 int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, shear_result *out,
                    shear_error *err);
-
-#endif

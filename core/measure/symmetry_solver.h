@@ -13,8 +13,7 @@
  * n_-i), is 0. S is computed from counts at g itself, so the root does not depend on the accuracy
  * of D, and noise in D, which is even under exchange of the sides, does not bias it. But noise in D
  * costs precision and makes S seem steeper than it is; measure/score.h describes the remedy. */
-#ifndef SHEAR_MEASURE_SYMMETRY_SOLVER_H
-#define SHEAR_MEASURE_SYMMETRY_SOLVER_H
+#pragma once
 
 #include "measure/score.h"
 #include "measure/sign_histogram.h"
@@ -63,5 +62,3 @@ bool symmetry_solver_guess(symmetry_solver *v, int c, bool scored);
 bool symmetry_solver_find(symmetry_solver *v, int c);
 /* Set the slope of S about its root, and sigma. */
 bool symmetry_solver_set_slope(symmetry_solver *v, int c);
-
-#endif

@@ -7,8 +7,7 @@
  * [jx][jy], so that rows of modes are vector lanes. T includes the weight of both halves (2 for jy
  * > 0) and the factor 1/(nx ny s^4), which turns sums over modes into integrals over the plane
  * (Parseval). */
-#ifndef SHEAR_MEASURE_TRANSFER_H
-#define SHEAR_MEASURE_TRANSFER_H
+#pragma once
 
 #include "fft/fft.h"
 #include "measure/surface.h"
@@ -76,5 +75,3 @@ double transfer_power_beyond(double beta_px, double k_cut);
 /* Return the smallest beta, in steps of 1e-4 px, for which that part is at most `tolerance`;
  * INFINITY if there is none. */
 double transfer_smallest_beta(double k_cut, double tolerance);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* run/file_source.h: an open field file as a source of stamps, with one block per slot. */
-#ifndef SHEAR_RUN_FILE_SOURCE_H
-#define SHEAR_RUN_FILE_SOURCE_H
+#pragma once
 
 #include "shear/work.h"
 
@@ -18,5 +17,3 @@ void file_source_deinit(file_source *s);
 
 /* Return the source for a shear_work_spec. It points to *s, which must not move. */
 shear_source file_source_as_source(file_source *s);
-
-#endif

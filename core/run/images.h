@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* run/images.h: read images in the caller's memory as doubles without gaps. */
-#ifndef SHEAR_RUN_IMAGES_H
-#define SHEAR_RUN_IMAGES_H
+#pragma once
 
 #include "shear/arrays.h"
 
@@ -26,5 +25,3 @@ bool images_are_plain(const images *m);
 const double *images_get(const images *m, int64_t first, int count, double *scratch);
 /* Convert number `i` into out[planes][ny][nx]. */
 void images_copy(const images *m, int64_t i, double *out);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * Threads finish blocks in any order; early results are kept until their predecessors have been
  * summed. Not thread-safe: the caller holds the lock of the work. */
-#ifndef SHEAR_RUN_REORDER_BUFFER_H
-#define SHEAR_RUN_REORDER_BUFFER_H
+#pragma once
 
 #include "shear/sums.h"
 #include "shear/symmetry.h"
@@ -32,5 +31,3 @@ void reorder_buffer_deinit(reorder_buffer *b);
 /* Add a unit's results, which are copied: sum them, and all kept results that follow, or keep them
  * until they can be summed. Errors: SHEAR_E_NOMEM. */
 int reorder_buffer_add(reorder_buffer *b, const block_result *r, shear_error *err);
-
-#endif

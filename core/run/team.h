@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* run/team.h: measure a whole field from any source with a team of OpenMP threads. */
-#ifndef SHEAR_RUN_TEAM_H
-#define SHEAR_RUN_TEAM_H
+#pragma once
 
 #include "shear/work.h"
 
@@ -33,5 +32,3 @@ int team_threads(int asked);
  * error, too. */
 int team_measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err);
 void team_sums_deinit(team_sums *sums);
-
-#endif

@@ -10,8 +10,7 @@
  *
  * Thread-safe as long as no object is changed while in use. Calls wait for the disk; those that say
  * so also wait for the user database (maybe a directory server). */
-#ifndef SHEARD_ACCESS_H
-#define SHEARD_ACCESS_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -98,5 +97,3 @@ int access_roots_check(const access_roots *roots, shear_error *err);
  * in a directory that the peer may not search is denied, whether the file exists or not. */
 int access_open(const access_roots *roots, const access_peer *peer, const char *path, int *fd,
                 char **canonical, shear_error *err);
-
-#endif

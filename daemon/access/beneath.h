@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* access/beneath.h: resolve a path beneath a directory, with its symbolic links, without leaving
  * that directory. */
-#ifndef SHEARD_ACCESS_BENEATH_H
-#define SHEARD_ACCESS_BENEATH_H
+#pragma once
 
 #include "access/access.h"
 
@@ -21,5 +20,3 @@
  * a link, else '\0'. If an error comes with a link, it is about the link or its target, not about a
  * name in `path`. */
 int beneath_open(int root, const char *path, const access_peer *peer, char *link);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* access/permission.h: check whether a peer may read or search the file of a descriptor. */
-#ifndef SHEARD_ACCESS_PERMISSION_H
-#define SHEARD_ACCESS_PERMISSION_H
+#pragma once
 
 #include "access/access.h"
 
@@ -15,5 +14,3 @@ bool peer_has_group(const access_peer *peer, gid_t gid);
 /* Check by mode and access control list. `fd` may be O_PATH; *st receives the file's status. Return
  * 0 if the peer may, EACCES, or another errno if the file cannot be examined. */
 int permission_check(int fd, const access_peer *peer, unsigned wanted, struct stat *st);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* access/roots.h: the data roots, and which part of a path lies beneath one. */
-#ifndef SHEARD_ACCESS_ROOTS_H
-#define SHEARD_ACCESS_ROOTS_H
+#pragma once
 
 #include "access/access.h"
 
@@ -19,5 +18,3 @@ int root_open(const char *name, int *fd, shear_error *err);
 const char *path_beneath(const char *path, const char *root);
 /* Return whether a component is "..". */
 bool path_climbs(const char *path);
-
-#endif

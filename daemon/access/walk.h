@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* access/walk.h: check a peer's permission on every directory from / to an open file. */
-#ifndef SHEARD_ACCESS_WALK_H
-#define SHEARD_ACCESS_WALK_H
+#pragma once
 
 #include "access/access.h"
 
@@ -14,5 +13,3 @@ int walk_name(int fd, char **name);
  * service may not; ENOENT if the file has been removed; EAGAIN if names keep changing; or another
  * errno. */
 int walk_check(int target, const access_peer *peer, char **name);
-
-#endif

@@ -7,8 +7,7 @@
  * large one could wait for ever.
  *
  * Called by jobs' threads, without the engine's lock. */
-#ifndef SHEARD_ENGINE_BUDGET_H
-#define SHEARD_ENGINE_BUDGET_H
+#pragma once
 
 #include "engine/job.h"
 
@@ -28,5 +27,3 @@ enum budget_answer budget_wait(job *j, int64_t bytes);
 bool budget_change(job *j, int64_t bytes);
 /* Return the budget of all jobs and plans, in bytes. */
 int64_t budget_total(const job *j);
-
-#endif

@@ -18,8 +18,7 @@
  *
  * All functions are called by one thread, the owner's (the loop); none waits for a file, except
  * engine_free. Events are queued; `wake` is called from any thread when there are new ones. */
-#ifndef SHEARD_ENGINE_H
-#define SHEARD_ENGINE_H
+#pragma once
 
 #include "engine/plan_cache.h"
 #include "reader/reader.h"
@@ -160,5 +159,3 @@ void engine_limit_readers(engine *e, const reader_limits *limits);
 void engine_limit_memory(engine *e, int64_t bytes);
 /* Change the limits of the kept plans. */
 void engine_limit_plans(engine *e, int64_t count, int64_t bytes);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* engine/event_queue.h: the queue of events from the engine to its owner, first in, first out.
  * Thread-safe. */
-#ifndef SHEARD_ENGINE_EVENT_QUEUE_H
-#define SHEARD_ENGINE_EVENT_QUEUE_H
+#pragma once
 
 #include "engine/engine.h"
 
@@ -28,5 +27,3 @@ void event_queue_silence(event_queue *q);
 void event_queue_push(event_queue *q, const engine_event *event, const pthread_t *last_of);
 /* Take the next event. Return false if there is none. */
 bool event_queue_pop(event_queue *q, engine_event *event);
-
-#endif

@@ -8,8 +8,7 @@
  * One lock guards the list of jobs and the members named in job.h. It is never held while a job is
  * worked on. A worker inside a job is counted in job->holders, and the job's thread frees the job
  * only when that is 0. */
-#ifndef SHEARD_ENGINE_INTERNAL_H
-#define SHEARD_ENGINE_INTERNAL_H
+#pragma once
 
 #include "engine/engine.h"
 #include "engine/event_queue.h"
@@ -45,5 +44,3 @@ struct engine {
 
 /* Assert that the engine's lock is held. */
 #define ENGINE_ASSERT_LOCKED(e) assert(pthread_mutex_trylock(&(e)->lock) == EBUSY)
-
-#endif

@@ -3,8 +3,7 @@
  * members from `phase` to `waiting_since`, checkpoint_block and checkpoint_ms; `saving` guards
  * terms_saved and terms_block. The rest belongs to the job's own thread, is not changed while
  * workers use it, or is thread-safe. */
-#ifndef SHEARD_ENGINE_JOB_H
-#define SHEARD_ENGINE_JOB_H
+#pragma once
 
 #include "engine/engine.h"
 #include "engine/job_files.h"
@@ -106,5 +105,3 @@ void job_finish(job *j, engine_event *event);
 /* Return the last event of a job that ended with `err`. If a file has changed, that replaces `err`.
  */
 enum engine_event_kind job_failure_event(const job *j, shear_error *err);
-
-#endif

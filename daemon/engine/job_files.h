@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* engine/job_files.h: the open files of a job, and the check that they have not changed. */
-#ifndef SHEARD_ENGINE_FILES_H
-#define SHEARD_ENGINE_FILES_H
+#pragma once
 
 #include "shear/error.h"
 #include "shear/input.h"
@@ -27,5 +26,3 @@ int64_t job_files_bytes(const job_files *f);
  * its last change of content, mode or names. The open descriptors are examined, so it does not
  * matter which files the names refer to by now. */
 int job_files_check(const job_files *f, shear_error *err);
-
-#endif

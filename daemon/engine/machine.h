@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* engine/machine.h: the memory that this process may use. */
-#ifndef SHEARD_ENGINE_MACHINE_H
-#define SHEARD_ENGINE_MACHINE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -12,5 +11,3 @@ int64_t machine_memory(void);
  * parents, or INT64_MAX if there is no limit. `membership` (/proc/self/cgroup) is a file with the
  * group's name, `root` (/sys/fs/cgroup) the directory of all groups. */
 int64_t machine_cgroup_memory(const char *membership, const char *root);
-
-#endif

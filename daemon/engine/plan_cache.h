@@ -8,8 +8,7 @@
  * never freed, so the limits apply to what is kept beyond its jobs.
  *
  * Thread-safe. */
-#ifndef SHEARD_ENGINE_PLANS_H
-#define SHEARD_ENGINE_PLANS_H
+#pragma once
 
 #include "shear/plan.h"
 #include "shear/run.h"
@@ -43,5 +42,3 @@ typedef struct plan_cache_statistics {
     int64_t hits, misses; /* since the start */
 } plan_cache_statistics;
 plan_cache_statistics plan_cache_get_statistics(plan_cache *p);
-
-#endif

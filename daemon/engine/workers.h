@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* engine/workers.h: the worker threads, which measure the stamps of all jobs. */
-#ifndef SHEARD_ENGINE_WORKERS_H
-#define SHEARD_ENGINE_WORKERS_H
+#pragma once
 
 #include "engine/internal.h"
 
@@ -12,5 +11,3 @@ typedef struct worker_start {
 
 /* Run a worker until the engine stops. The argument is a worker_start, which is freed. */
 void *worker_main(void *start);
-
-#endif

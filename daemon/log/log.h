@@ -11,8 +11,7 @@
  * that a pipe, a terminal or the journal's socket does not accept are kept. Further lines are lost
  * and counted, and a line reports their number once the log is read again. Write errors are not
  * reported: there is nowhere to report them. */
-#ifndef SHEARD_LOG_H
-#define SHEARD_LOG_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -65,5 +64,3 @@ void log_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void log_notice(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void log_info(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void log_debug(const char *format, ...) __attribute__((format(printf, 1, 2)));
-
-#endif

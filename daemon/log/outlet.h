@@ -7,8 +7,7 @@
  * written to at once.
  *
  * Any thread may call. */
-#ifndef LOG_OUTLET_H
-#define LOG_OUTLET_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -25,5 +24,3 @@ bool outlet_put(const char *bytes, size_t n);
 /* Wait until all is written. Return false after timeout_ms. */
 bool outlet_drain(int timeout_ms);
 size_t outlet_waiting(void); /* bytes not written yet */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* log/repeats.h: detect messages that are repeated too often, and count them. */
-#ifndef LOG_REPEATS_H
-#define LOG_REPEATS_H
+#pragma once
 
 #include "log/log.h"
 
@@ -29,5 +28,3 @@ bool repeats_admit(repeats *r, enum log_level level, const char *text, unsigned 
 /* Remove a message that was left out and whose interval is over (any such message if interval_ms is
  * 0), and copy it to *out. Return false if there is none. */
 bool repeats_next_ended(repeats *r, int64_t interval_ms, int64_t now_ms, repeated *out);
-
-#endif

@@ -2,8 +2,7 @@
 /* notify/notify.h: notify systemd of the service's state (sd_notify(3)), without libsystemd. One
  * thread. No call blocks: SHEAR_E_IO means that a message cannot be sent at once. Without
  * NOTIFY_SOCKET all calls do nothing and succeed. */
-#ifndef SHEARD_NOTIFY_H
-#define SHEARD_NOTIFY_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -34,5 +33,3 @@ int notify_stopping(const notify *n, const char *status, shear_error *err);
 int notify_status(const notify *n, const char *status, shear_error *err);
 /* Report that the service is alive, at least twice per watchdog_ms. */
 int notify_watchdog(const notify *n, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/child_process.h: wait for the end of a child process. */
-#ifndef SHEARD_READER_CHILD_PROCESS_H
-#define SHEARD_READER_CHILD_PROCESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -11,5 +10,3 @@
  * -1 if it has none. With kill_now it is killed at once; otherwise it has a second to end by
  * itself, because a child whose socket is closed may still be ending. */
 int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size);
-
-#endif

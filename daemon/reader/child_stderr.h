@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/child_stderr.h: what a reader child writes to its standard error. Usually that is nothing;
  * an example is the dynamic linker's message about a missing library. */
-#ifndef SHEARD_READER_CHILD_STDERR_H
-#define SHEARD_READER_CHILD_STDERR_H
+#pragma once
 
 #include <stddef.h>
 
@@ -13,5 +12,3 @@ int child_stderr_pipe(int ends[2]);
 /* Read the pipe into out as one line of printable text, cut to `size` bytes; "" means nothing. The
  * text is untrusted: a malicious file may have caused it. */
 void child_stderr_read(int end, char *out, size_t size);
-
-#endif

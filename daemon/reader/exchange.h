@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/exchange.h: send requests to the reader child, and receive its replies. */
-#ifndef SHEARD_READER_EXCHANGE_H
-#define SHEARD_READER_EXCHANGE_H
+#pragma once
 
 #include "reader/internal.h"
 #include "reader/wire.h"
@@ -16,5 +15,3 @@ int exchange_ask(reader *r, const reader_request *request, const char *what, rea
 int exchange_give_up(reader *r, int code, const char *what, shear_error *err);
 /* Return whether the caller has requested a stop. */
 bool exchange_is_stopping(const reader *r);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/internal.h: the state of a reader, on the daemon's side. */
-#ifndef SHEARD_READER_INTERNAL_H
-#define SHEARD_READER_INTERNAL_H
+#pragma once
 
 #include "reader/reader.h"
 #include "reader/scratch.h"
@@ -27,5 +26,3 @@ struct reader {
     int slots, capacity;
     shear_block *blocks; /* [slots] views into the shared memory */
 };
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/launch.h: start the reader child with the descriptors that it needs, and no others. */
-#ifndef SHEARD_READER_LAUNCH_H
-#define SHEARD_READER_LAUNCH_H
+#pragma once
 
 #include "reader/reader.h"
 
@@ -18,5 +17,3 @@ typedef struct launch_ends {
 /* Start sheard-reader on these files (see reader_start). Return 0 or errno. */
 int launch_reader(pid_t *pid, const shear_input *input, const int *fds, launch_ends ends,
                   const reader_limits *limits);
-
-#endif

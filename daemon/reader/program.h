@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/program.h: find the reader's program. */
-#ifndef SHEARD_READER_PROGRAM_H
-#define SHEARD_READER_PROGRAM_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -11,5 +10,3 @@
  * relative to the running program. There is no compiled-in absolute path: it would be wrong once
  * the programs are packaged or moved. Return SHEAR_E_IO if it is in neither place. */
 int reader_find_program(char *path, size_t size, shear_error *err);
-
-#endif

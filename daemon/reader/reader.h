@@ -6,8 +6,7 @@
  * child. A child that dies, hangs or sends an invalid reply is killed. That call and every later
  * one then fail with a code of enum reader_code, which the service treats as a bug of the reader,
  * not as a fault of the file's data. */
-#ifndef SHEARD_READER_H
-#define SHEARD_READER_H
+#pragma once
 
 #include "shear/error.h"
 #include "shear/field.h"
@@ -71,5 +70,3 @@ int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *e
  * This is a read function of shear_source. */
 int reader_read(void *r, int slot, int64_t first, int count, const shear_block **block,
                 shear_error *err);
-
-#endif

@@ -2,8 +2,7 @@
 /* reader/sandbox.h: restrict what the reader child may do: read and write open files, allocate
  * memory, answer on its socket, and end. It cannot open files, no call takes a path or another
  * process, and no new memory is executable. */
-#ifndef SHEARD_READER_SANDBOX_H
-#define SHEARD_READER_SANDBOX_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -32,5 +31,3 @@ int sandbox_enter(const sandbox_limits *limits, unsigned *guards, shear_error *e
  * caller goes on as process 1 of the namespaces, a child of the original process, which waits for
  * it and ends as it does. */
 void sandbox_unshare(unsigned *guards);
-
-#endif

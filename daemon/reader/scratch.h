@@ -2,8 +2,7 @@
 /* reader/scratch.h: the temporary files that a reader unpacks into. They have no names, and are
  * opened for the reader before it starts, because it may not open files. The daemon watches their
  * size while the reader works, as the kernel reports it, because the reader is not trusted. */
-#ifndef SHEARD_READER_SCRATCH_H
-#define SHEARD_READER_SCRATCH_H
+#pragma once
 
 #include "shear/error.h"
 #include "shear/input.h"
@@ -35,5 +34,3 @@ int scratch_check(scratch *s, bool full, shear_error *err);
  * `out`, or SHEAR_E_IO. */
 int scratch_find(char *out, size_t size, const char *wanted, const char *otherwise,
                  shear_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/validate.h: check a child's replies before they are used, because the file that it reads
  * may have taken it over. */
-#ifndef SHEARD_READER_VALIDATE_H
-#define SHEARD_READER_VALIDATE_H
+#pragma once
 
 #include "shear/field.h"
 #include "shear/input.h"
@@ -12,5 +11,3 @@
 bool validate_info(shear_field_info *info);
 /* Return whether the text is a terminated checksum of hexadecimal digits. */
 bool validate_checksum(const char text[SHEAR_CHECKSUM_SIZE]);
-
-#endif

@@ -5,8 +5,7 @@
  *
  * The daemon does not trust replies: every number is checked before it is used (exchange.c,
  * validate.c). */
-#ifndef SHEARD_READER_WIRE_H
-#define SHEARD_READER_WIRE_H
+#pragma once
 
 #include "shear/error.h"
 #include "shear/field.h"
@@ -63,5 +62,3 @@ typedef struct reader_reply {
     shear_error error;                  /* if code is not 0 */
     shear_field_info info;              /* READER_OPEN */
 } reader_reply;
-
-#endif

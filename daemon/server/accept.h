@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/accept.h: accept waiting clients, or refuse them with the reason. */
-#ifndef SHEARD_SERVER_ACCEPT_H
-#define SHEARD_SERVER_ACCEPT_H
+#pragma once
 
 #include "server/server.h"
 
@@ -11,5 +10,3 @@ bool accept_init(server *s);
 void accept_on_connection(uv_stream_t *listener, int status);
 /* Accept the clients that wait at all listeners. */
 void accept_waiting(server *s);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/connection.h: one client: its state, its output, and its end. connection_loop.h declares
  * its input and processing. */
-#ifndef SHEARD_SERVER_CONNECTION_H
-#define SHEARD_SERVER_CONNECTION_H
+#pragma once
 
 #include "server/open_requests.h"
 #include "server/out_queue.h"
@@ -75,5 +74,3 @@ void connection_tell_lost(connection *c);
 void connection_send_error(connection *c, const sheard_rpc_id *id, const sheard_rpc_error *error);
 /* Write what is queued, as much as the socket takes. */
 void connection_write(connection *c);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/connection_loop.h: read a connection's input and process it. Each call may close the
  * connection. */
-#ifndef SHEARD_SERVER_CONNECTION_LOOP_H
-#define SHEARD_SERVER_CONNECTION_LOOP_H
+#pragma once
 
 #include "server/connection.h"
 
@@ -14,5 +13,3 @@ void connection_process(connection *c);
 void connection_flush(connection *c);
 /* Close the connection if it is idle, stalled or gone. */
 void connection_tick(connection *c);
-
-#endif

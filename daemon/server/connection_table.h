@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/connection_table.h: the open connections, by number. */
-#ifndef SHEARD_SERVER_CONNECTION_TABLE_H
-#define SHEARD_SERVER_CONNECTION_TABLE_H
+#pragma once
 
 #include "server/connection.h"
 
@@ -24,5 +23,3 @@ bool connection_table_enter(server *s, connection *c);
 void connection_table_leave(server *s, connection *c);
 /* Call the function for every open connection. It may close the connection. */
 void connection_table_each(server *s, void (*call)(connection *c));
-
-#endif

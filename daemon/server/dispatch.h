@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/dispatch.h: parse lines into requests, and pass these to the owner. */
-#ifndef SHEARD_SERVER_DISPATCH_H
-#define SHEARD_SERVER_DISPATCH_H
+#pragma once
 
 #include "server/connection.h"
 
@@ -9,5 +8,3 @@
 bool dispatch_is_allowed(const connection *c);
 /* Take one line of the input, if it is complete, and pass its request to the owner. */
 void dispatch_line(connection *c);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/internal.h: the server's state, for its own files only. */
-#ifndef SHEARD_SERVER_INTERNAL_H
-#define SHEARD_SERVER_INTERNAL_H
+#pragma once
 
 #include "server/connection.h"
 #include "server/connection_table.h"
@@ -45,5 +44,3 @@ struct server {
     void (*done)(void *context);
     void *done_context;
 };
-
-#endif

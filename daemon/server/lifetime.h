@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/lifetime.h: free the server once libuv has closed all of its handles. */
-#ifndef SHEARD_SERVER_LIFETIME_H
-#define SHEARD_SERVER_LIFETIME_H
+#pragma once
 
 #include "server/server.h"
 
@@ -13,5 +12,3 @@ void lifetime_close_handle(void *handle);
 void lifetime_handle_closed(server *s);
 /* Close the remaining handles if the server is closing and has no connection. */
 void lifetime_end_if_empty(server *s);
-
-#endif

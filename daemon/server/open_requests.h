@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/open_requests.h: the unanswered requests of a connection. */
-#ifndef SERVER_OPEN_REQUESTS_H
-#define SERVER_OPEN_REQUESTS_H
+#pragma once
 
 #include "server/server.h"
 
@@ -42,5 +41,3 @@ void open_requests_pause(open_requests *o, open_request *r);
 
 /* Return whether the request may last for hours. */
 bool open_request_is_long(const sheard_request *request);
-
-#endif

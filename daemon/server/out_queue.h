@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/out_queue.h: lines that wait to be written to a client. */
-#ifndef SHEARD_SERVER_OUT_QUEUE_H
-#define SHEARD_SERVER_OUT_QUEUE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -37,5 +36,3 @@ bool out_queue_push(out_queue *q, out_line *line);
 out_line *out_queue_at(const out_queue *q, size_t i); /* i < n */
 /* Remove `bytes` written bytes, the oldest first, and release the lines that are complete. */
 void out_queue_consume(out_queue *q, size_t bytes);
-
-#endif

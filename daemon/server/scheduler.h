@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/scheduler.h: decide which connection is next, and for how long. */
-#ifndef SHEARD_SERVER_SCHEDULER_H
-#define SHEARD_SERVER_SCHEDULER_H
+#pragma once
 
 #include "server/users.h"
 
@@ -42,5 +41,3 @@ void scheduler_end_work(server *s, connection *c);
 void scheduler_note_freed(server *s);
 /* Return whether a client may be accepted now. If not, `accept` is called in a later slice. */
 bool scheduler_may_accept(server *s);
-
-#endif

@@ -38,8 +38,7 @@
  * Any other malformed line is answered with its error, and the connection stays open. A client that
  * shuts down its writing side still gets its replies and notifications. */
 /* clang-format on */
-#ifndef SHEARD_SERVER_H
-#define SHEARD_SERVER_H
+#pragma once
 
 #include "access/access.h"
 #include "sheard/rpc.h"
@@ -208,5 +207,3 @@ typedef struct server_statistics {
     uint64_t notices, lost;
 } server_statistics;
 void server_get_statistics(const server *s, server_statistics *statistics);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/socket_file.h: create the socket file with its final permissions only, and remove it only
  * by the server that made it. */
-#ifndef SHEARD_SERVER_SOCKET_FILE_H
-#define SHEARD_SERVER_SOCKET_FILE_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -21,5 +20,3 @@ int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode
                      shear_error *err);
 /* Remove the file, if it is still the one that was made, and the lock. Further calls do nothing. */
 void socket_file_remove(socket_file *file);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* server/subscriptions.h: the jobs and fields that a connection watches. */
-#ifndef SHEARD_SERVER_SUBSCRIPTIONS_H
-#define SHEARD_SERVER_SUBSCRIPTIONS_H
+#pragma once
 
 #include "sheard/rpc.h"
 
@@ -26,5 +25,3 @@ bool subscriptions_any(const subscriptions *w);
  */
 bool subscriptions_match(const subscriptions *w, enum sheard_notice notice, int64_t job,
                          const char *field);
-
-#endif

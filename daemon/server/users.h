@@ -2,8 +2,7 @@
 /* server/users.h: processor time per user, and which user and connection is served next. Of those
  * that have something to do, the user charged with the least time is next, then the user's
  * connection with the least. An idle user saves up at most USERS_CREDIT_NS. */
-#ifndef SHEARD_SERVER_USERS_H
-#define SHEARD_SERVER_USERS_H
+#pragma once
 
 #include "server/connection.h"
 
@@ -41,5 +40,3 @@ void users_remove_ready(server_user *u, connection *c);
 connection *users_next(server_user_list *all, uint64_t *clock_ns);
 /* Charge processor time to a connection, which must not be ready, and to its user. */
 void users_charge(connection *c, uint64_t ns);
-
-#endif

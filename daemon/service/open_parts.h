@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/open_parts.h: open store, engine and server as configured. */
-#ifndef SHEARD_SERVICE_OPEN_PARTS_H
-#define SHEARD_SERVICE_OPEN_PARTS_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -10,5 +9,3 @@ typedef struct service service;
 int open_store(service *s, shear_error *err);
 int open_engine(service *s, shear_error *err);
 int open_server(service *s, shear_error *err);
-
-#endif

@@ -14,8 +14,7 @@
  *     rpc     the methods of the protocol
  *
  * Calls upwards are callbacks, registered in service.c. */
-#ifndef SHEARD_SERVICE_H
-#define SHEARD_SERVICE_H
+#pragma once
 
 #include "sheard/config.h"
 
@@ -28,5 +27,3 @@ int service_open(service **s, sheard_config *config, const char *config_path,
 /* Serve until a signal (SIGTERM, SIGINT) or a client stops the service. */
 void service_run(service *s);
 void service_close(service *s);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/acquire.h: when a dropped file is complete, and its move from incoming/ to active/. */
-#ifndef SHEARD_SPOOL_ACQUIRE_H
-#define SHEARD_SPOOL_ACQUIRE_H
+#pragma once
 
 #include "spool/spool.h"
 
@@ -13,5 +12,3 @@ int64_t acquire_next_ms(const spool *s);
 /* Move ready files to active/, as many as the owner's capacity allows. Return true if there are
  * more. */
 bool acquire_ready(spool *s);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/candidates.h: the known files of incoming/, sorted by name, and in a queue for each
  * state. */
-#ifndef SHEARD_SPOOL_CANDIDATES_H
-#define SHEARD_SPOOL_CANDIDATES_H
+#pragma once
 
 #include "spool/fingerprint.h"
 
@@ -49,5 +48,3 @@ void candidates_forget_unseen(candidates *w, uint64_t generation);
 void candidates_set_state(candidates *w, candidate *file, enum candidate_state state);
 candidate *candidates_first(const candidates *w, enum candidate_state state); /* NULL: none */
 candidate *candidates_next(const candidate *file); /* of the same state; NULL: none */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/examine.h: which files of incoming/ are taken, ignored, or have to settle first. */
-#ifndef SHEARD_SPOOL_EXAMINE_H
-#define SHEARD_SPOOL_EXAMINE_H
+#pragma once
 
 #include "spool/candidates.h"
 #include "spool/spool.h"
@@ -13,5 +12,3 @@ void examine_file(spool *s, candidate *file, enum watch_event event);
 void examine_settle(spool *s, candidate *file, const struct stat *st, enum candidate_state state);
 /* Fill *st and return true if the file is still a regular file. Otherwise examine it again. */
 bool examine_is_regular(spool *s, candidate *file, struct stat *st);
-
-#endif

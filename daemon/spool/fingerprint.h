@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/fingerprint.h: a file's fingerprint, by which a change of it is noticed. */
-#ifndef SHEARD_SPOOL_FINGERPRINT_H
-#define SHEARD_SPOOL_FINGERPRINT_H
+#pragma once
 
 #include <stdbool.h>
 #include <sys/stat.h>
@@ -18,5 +17,3 @@ file_fingerprint fingerprint_of(const struct stat *st);
  * been renamed, or its owner or mode changed; fingerprint_same excludes these, too. */
 bool fingerprint_same_content(const file_fingerprint *a, const file_fingerprint *b);
 bool fingerprint_same(const file_fingerprint *a, const file_fingerprint *b);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/folders.h: the spool's directory, its lock and its four folders, held open by descriptors,
  * so that renaming a folder does not redirect files. */
-#ifndef SHEARD_SPOOL_FOLDERS_H
-#define SHEARD_SPOOL_FOLDERS_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -43,5 +42,3 @@ void folder_list_close(DIR **dir); /* for CLEANUP */
 
 /* Parse "done/NAME" or "failed/NAME": set *folder and return NAME, or NULL if it is neither. */
 const char *folder_of_place(const char *text, enum folder *folder);
-
-#endif

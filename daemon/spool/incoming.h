@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/incoming.h: find the files of incoming/, by events and by scans. */
-#ifndef SHEARD_SPOOL_INCOMING_H
-#define SHEARD_SPOOL_INCOMING_H
+#pragma once
 
 #include "spool/spool.h"
 #include "spool/watch.h"
@@ -12,5 +11,3 @@ void incoming_event(spool *s, enum watch_event event, const char *name);
 bool incoming_begin_scan(spool *s);
 /* Continue the scan that is under way, if any. Return true if there is more. */
 bool incoming_scan(spool *s);
-
-#endif

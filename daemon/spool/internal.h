@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/internal.h: struct spool, the state of a watch folder. */
-#ifndef SHEARD_SPOOL_INTERNAL_H
-#define SHEARD_SPOOL_INTERNAL_H
+#pragma once
 
 #include "spool/candidates.h"
 #include "spool/folders.h"
@@ -43,5 +42,3 @@ struct spool {
 
 /* Most names and files per iteration of the loop, so that sockets are served in between. */
 enum { SPOOL_STEP_NAMES = 512, SPOOL_STEP_FILES = 64 };
-
-#endif

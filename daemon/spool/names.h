@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/names.h: names of files: which are accepted, and what they become in active/, done/ and
  * failed/. */
-#ifndef SHEARD_SPOOL_NAMES_H
-#define SHEARD_SPOOL_NAMES_H
+#pragma once
 
 #include "spool/spool.h"
 
@@ -43,5 +42,3 @@ void name_key(char key[SPOOL_KEY_SIZE], const char *active_name);
 void name_number(char out[NAME_SIZE], const char *name, int64_t n);
 /* Make "NAME.json". */
 void name_report(char out[NAME_REPORT_SIZE], const char *name);
-
-#endif

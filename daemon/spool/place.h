@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/place.h: the place of a file in done/ or failed/, and its fingerprint. */
-#ifndef SHEARD_SPOOL_PLACE_H
-#define SHEARD_SPOOL_PLACE_H
+#pragma once
 
 #include "spool/folders.h"
 #include "spool/spool.h"
@@ -13,5 +12,3 @@ void place_fingerprint(const struct stat *st, char out[SPOOL_FINGERPRINT_SIZE]);
 void place_set(const folders *f, spool_place *place, enum folder folder, const char *name);
 /* Parse a place "failed/NAME": set *folder and return NAME, or NULL if it is not a place. */
 const char *place_parse(const spool_place *place, enum folder *folder);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/report.h: what the spool reports: lines for the owner's log, and the present trouble. */
-#ifndef SHEARD_SPOOL_REPORT_H
-#define SHEARD_SPOOL_REPORT_H
+#pragma once
 
 #include "spool/spool.h"
 
@@ -11,5 +10,3 @@ void report_line(const spool *s, enum spool_level level, const char *format, ...
 void report_trouble(spool *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Clear the trouble. */
 void report_no_trouble(spool *s);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/retention.h: remove files from done/ and failed/ that are too old or too many, in small
  * steps. */
-#ifndef SHEARD_SPOOL_RETENTION_H
-#define SHEARD_SPOOL_RETENTION_H
+#pragma once
 
 #include "spool/folders.h"
 #include "spool/spool.h"
@@ -37,5 +36,3 @@ void retention_begin(retention *w); /* unless it is under way */
 bool retention_idle(const retention *w);
 /* Do some of the work. Return true if there is more. */
 bool retention_step(spool *s);
-
-#endif

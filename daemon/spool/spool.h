@@ -24,8 +24,7 @@
  * Threads: only the loop's. Callbacks are called from the loop, `log` also from within calls.
  * `found` may call all functions of this header, the other callbacks none. The calls may wait for
  * the disk. */
-#ifndef SHEARD_SPOOL_H
-#define SHEARD_SPOOL_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -163,5 +162,3 @@ typedef struct spool_ignored {
 } spool_ignored;
 /* Fill `list` with the first `capacity` of them and return their number. */
 size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t capacity);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/unacknowledged.h: files in active/ that the owner has not accepted yet. */
-#ifndef SHEARD_SPOOL_UNACKNOWLEDGED_H
-#define SHEARD_SPOOL_UNACKNOWLEDGED_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -31,5 +30,3 @@ void unacknowledged_retry(unacknowledged *o);
  * file is pending. */
 unacknowledged_file *unacknowledged_next(unacknowledged *o);
 bool unacknowledged_pending(const unacknowledged *o);
-
-#endif

@@ -6,8 +6,7 @@
  * start and the file is in active/, the report is removed; if the file has moved, only the link is.
  * The link needs no fsync: if a power failure loses it but not the report, there is a report too
  * many, but no file is lost or overwritten. */
-#ifndef SHEARD_SPOOL_UNDO_LOG_H
-#define SHEARD_SPOOL_UNDO_LOG_H
+#pragma once
 
 #include "spool/folders.h"
 #include "spool/names.h"
@@ -20,5 +19,3 @@ void undo_log_remove(const folders *f, const char *active_name);
 
 /* Make the report's name until it is complete: active/.ACTIVE_NAME.tmp. */
 void undo_log_temporary(char out[NAME_SIZE], const char *active_name);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* spool/watch.h: watch incoming/ by inotify. */
-#ifndef SHEARD_SPOOL_WATCH_H
-#define SHEARD_SPOOL_WATCH_H
+#pragma once
 
 enum watch_event {
     WATCH_COMPLETE, /* closed after writing, or renamed into place */
@@ -28,5 +27,3 @@ int watch_start(watch *w, int directory, int parent);
  * errno. */
 int watch_read(watch *w, void (*handle)(void *context, enum watch_event event, const char *name),
                void *context);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/codes.h: error codes, states and limits of the store. */
-#ifndef SHEARD_STORE_CODES_H
-#define SHEARD_STORE_CODES_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -80,5 +79,3 @@ const char *store_attempt_outcome_name(enum store_attempt_outcome outcome);
 
 /* Return true if the same call may succeed later: the disk is full, an I/O error, out of memory. */
 bool store_is_transient(int code);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/database.h: struct store: the connection to SQLite and its cached statements; and how
  * SQLite's errors become errors of the store. */
-#ifndef SHEARD_STORE_DATABASE_H
-#define SHEARD_STORE_DATABASE_H
+#pragma once
 
 #include "store/sql.h"
 #include "store/store.h"
@@ -37,5 +36,3 @@ int database_connect(sqlite3 **db, const char *path, const store_options *option
                      shear_error *err);
 /* Switch to the write-ahead log, with an fsync at every commit. Call after that transaction. */
 int database_use_wal(sqlite3 *db, const char *path, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/field_row.h: the row of one field with one set of settings. */
-#ifndef SHEARD_STORE_FIELD_ROW_H
-#define SHEARD_STORE_FIELD_ROW_H
+#pragma once
 
 #include "store/database.h"
 
@@ -23,5 +22,3 @@ int field_row_find(store *s, const char *name, const char *settings_digest, int6
  * would have. *account is the account of its contribution, the caller's; `account` NULL: not
  * wanted. */
 int field_row_top(store *s, int64_t field, shear_influence *top, char **account, shear_error *err);
-
-#endif

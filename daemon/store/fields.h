@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/fields.h: fields, their contributions, and forgetting a field. store.h describes what holds
  * for all calls. */
-#ifndef SHEARD_STORE_FIELDS_H
-#define SHEARD_STORE_FIELDS_H
+#pragma once
 
 #include "shear/symmetry.h"
 #include "store/codes.h"
@@ -113,5 +112,3 @@ int store_next_removal(store *s, store_removal *next, shear_error *err);
 /* Remove what store_next_removal returned. `catalog_gone`: the job's catalog has been removed;
  * otherwise store_next_leftover returns it. */
 int store_remove(store *s, const store_removal *removal, bool catalog_gone, shear_error *err);
-
-#endif

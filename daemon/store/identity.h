@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/identity.h: find the counted job with the same identity: field, settings, content. */
-#ifndef SHEARD_STORE_IDENTITY_H
-#define SHEARD_STORE_IDENTITY_H
+#pragma once
 
 #include "store/database.h"
 
@@ -13,5 +12,3 @@ typedef struct identity_match {
 /* Find the match. `field` and `content` may be NULL (not known): then there is none. */
 int identity_find(store *s, const char *field, const char *settings_digest, const char *content,
                   identity_match *match, shear_error *err);
-
-#endif

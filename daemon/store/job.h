@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/job.h: steps that the operations on one job share. Call them within an operation
  * (operation.h). */
-#ifndef SHEARD_STORE_JOB_H
-#define SHEARD_STORE_JOB_H
+#pragma once
 
 #include "store/query.h"
 
@@ -32,5 +31,3 @@ int job_put_back(store *s, int64_t id, enum store_attempt_outcome outcome, int64
 int job_make_cancelled(store *s, int64_t id, int64_t now_ms, shear_error *err);
 /* Return STORE_QUEUE_FULL if there are `max_unfinished` unfinished jobs or more. */
 int job_check_capacity(store *s, int64_t max_unfinished, shear_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/jobs.h: the life of a job, and reading jobs. store.h has the states, and describes what
  * holds for all calls. */
-#ifndef SHEARD_STORE_JOBS_H
-#define SHEARD_STORE_JOBS_H
+#pragma once
 
 #include "shear/symmetry.h"
 #include "store/codes.h"
@@ -258,5 +257,3 @@ typedef struct store_attempts {
 void store_attempts_deinit(store_attempts *list);
 /* Get a job's attempts. STORE_NOT_FOUND if there is no such job. */
 int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *err);
-
-#endif

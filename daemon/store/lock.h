@@ -6,8 +6,7 @@
  * a step that keeps the others from the next, and all are refused. The kernel's lock on a file
  * beside the database has one step, so one service gets it. SQLite's lock is taken, too, against
  * programs that do not know this one. */
-#ifndef SHEARD_STORE_LOCK_H
-#define SHEARD_STORE_LOCK_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -18,5 +17,3 @@ int lock_acquire(int *fd, const char *path, int busy_ms, shear_error *err);
 
 /* Fail with STORE_LOCKED, as for both locks. */
 int lock_fail(const char *path, shear_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/operation.h: atomic operations: each is a transaction of its own, or a savepoint in the
  * open group. */
-#ifndef SHEARD_STORE_OPERATION_H
-#define SHEARD_STORE_OPERATION_H
+#pragma once
 
 #include "store/database.h"
 
@@ -23,5 +22,3 @@ int operation_end(store *s, int code, shear_error *err);
         const int operation_begun_ = operation_begin((s), (err));                                  \
         operation_begun_ != SHEAR_OK ? operation_begun_ : operation_end((s), (work), (err));       \
     })
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/page.h: pages of records: their largest size. One record more than the limit is read, to
  * see whether more follow. */
-#ifndef SHEARD_STORE_PAGE_H
-#define SHEARD_STORE_PAGE_H
+#pragma once
 
 #include "store/store.h"
 
@@ -13,5 +12,3 @@ static inline size_t page_limit(size_t limit) {
 static inline int page_no_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page of records");
 }
-
-#endif

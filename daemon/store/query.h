@@ -7,8 +7,7 @@
  *     query_int(&q, id);
  *     int code = query_step(&q, &row, err);
  *     ... query_get_int(&q) ... */
-#ifndef SHEARD_STORE_QUERY_H
-#define SHEARD_STORE_QUERY_H
+#pragma once
 
 #include "base/cleanup.h"
 #include "store/database.h"
@@ -58,5 +57,3 @@ typedef struct text_rule {
     bool optional;
 } text_rule;
 int query_check_texts(const text_rule *rules, size_t n, shear_error *err);
-
-#endif

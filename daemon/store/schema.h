@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/schema.h: the tables, and the migration from every older version of them. */
-#ifndef SHEARD_STORE_SCHEMA_H
-#define SHEARD_STORE_SCHEMA_H
+#pragma once
 
 #include "store/database.h"
 
@@ -19,5 +18,3 @@ typedef const char *const *schema_step;
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
                    shear_error *err);
 extern const schema_step schema_steps[SCHEMA_VERSION];
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/sql.h: the statements that the store runs on jobs and fields, by name. */
-#ifndef SHEARD_STORE_SQL_H
-#define SHEARD_STORE_SQL_H
+#pragma once
 
 enum sql {
     SQL_BEGIN,
@@ -97,5 +96,3 @@ enum sql {
 };
 
 extern const char *const sql_texts[SQL_N];
-
-#endif

@@ -35,8 +35,7 @@
  * Texts: arguments are copied and must not be longer than the limits of codes.h (STORE_BAD_TEXT).
  * Returned texts belong to their record and live until its _deinit; they may be NULL unless said
  * otherwise. _deinit accepts a zeroed or already deinited record. */
-#ifndef SHEARD_STORE_H
-#define SHEARD_STORE_H
+#pragma once
 
 #include "store/codes.h"
 #include "store/fields.h"
@@ -121,5 +120,3 @@ typedef struct store_retention {
 /* Retire finished jobs, oldest first. Their contributions stay counted and are still recognised.
  * Call again while *retired equals the batch. */
 int store_retire(store *s, const store_retention *rule, int64_t *retired, shear_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  * the end of each of its 64 terms (the exact accumulator reaches down to the smallest double),
  * about 17 KiB in all. With runs of zeros replaced by their length a term takes 36 bytes, 27 of
  * them the hexadecimal digits of its two doubles, and all terms less than 2.5 KiB. */
-#ifndef SHEARD_STORE_SUMS_TEXT_H
-#define SHEARD_STORE_SUMS_TEXT_H
+#pragma once
 
 #include "base/cleanup.h"
 #include "shear/sums.h"
@@ -24,5 +23,3 @@ int sums_unpack(const char *packed, char **text, shear_error *err);
 /* Convert packed texts to sums, and back; the results are the caller's. */
 int sums_parse_packed(shear_field_sums **sums, const char *packed, shear_error *err);
 int sums_format_packed(const shear_field_sums *sums, char **packed, shear_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/terms.h: the terms of stamps (shear/symmetry.h) of checkpoints and contributions. Call
  * within an operation. */
-#ifndef SHEARD_STORE_TERMS_H
-#define SHEARD_STORE_TERMS_H
+#pragma once
 
 #include "store/store.h"
 
@@ -14,5 +13,3 @@ int terms_add_checkpoint(store *s, int64_t job, const store_progress *progress, 
 
 /* Add the terms of the contribution whose row was added last. */
 int terms_add_contribution(store *s, const unsigned char *bytes, size_t size, shear_error *err);
-
-#endif

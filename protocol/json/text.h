@@ -3,8 +3,7 @@
  *
  * Every json_t* returned is a new reference, or NULL if out of memory. Objects and arrays that are
  * given such a NULL become NULL themselves. */
-#ifndef PROTOCOL_JSON_TEXT_H
-#define PROTOCOL_JSON_TEXT_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -52,5 +51,3 @@ const char *json_text_string_at(const json_t *object, const char *key); /* NULL 
 
 /* Return the type of a value in words, such as "an object" or "null"; "nothing" for NULL. */
 const char *json_text_kind(const json_t *value);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* json/tree.h: parse and write JSON trees, completely or not at all, also when memory runs out.
  * tree.c describes the faults of jansson that this avoids. */
-#ifndef PROTOCOL_JSON_TREE_H
-#define PROTOCOL_JSON_TREE_H
+#pragma once
 
 #include <jansson.h>
 #include <stddef.h>
@@ -23,5 +22,3 @@ json_t *tree_load(const char *text, size_t n, size_t flags, tree_error *why);
  * on several; then `tail`. The text is from malloc and terminated; *n (may be NULL) becomes its
  * length. Return NULL if out of memory or if `value` is NULL. */
 char *tree_dump(const json_t *value, size_t flags, const char *tail, size_t *n);
-
-#endif

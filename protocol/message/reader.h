@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* message/reader.h: functions shared by the readers of objects, values and settings: track the
  * position in a message, and report errors there. */
-#ifndef PROTOCOL_MESSAGE_READER_H
-#define PROTOCOL_MESSAGE_READER_H
+#pragma once
 
 #include "message/table.h"
 
@@ -47,5 +46,3 @@ int reader_settings(msg_reader *r, const char **at, const json_t *value);
 /* Write canonical settings as an object. If NULL is returned, *bad is true if the text is invalid,
  * false if memory is out. */
 json_t *msg_write_settings(const char *text, bool *bad);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* message/settings_text.h: write and read the lines of canonical settings (sheard/messages.h). */
-#ifndef PROTOCOL_MESSAGE_SETTINGS_TEXT_H
-#define PROTOCOL_MESSAGE_SETTINGS_TEXT_H
+#pragma once
 
 #include "shear/settings.h"
 
@@ -22,5 +21,3 @@ int settings_text_next(const char **text, char line[SETTINGS_TEXT_LINE], char **
 
 /* Set in *s what `text` gives, without a check of the whole. */
 int settings_text_set(shear_settings *s, const char *text, shear_error *err);
-
-#endif

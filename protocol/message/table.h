@@ -3,8 +3,7 @@
  * reader, one writer and one deinit use all tables. A macro does not compile if the member has
  * another type, so a table always matches its struct. A message needs only its struct
  * (sheard/messages.h) and its table. */
-#ifndef PROTOCOL_MESSAGE_TABLE_H
-#define PROTOCOL_MESSAGE_TABLE_H
+#pragma once
 
 #include "base/member.h"
 #include "sheard/codes.h"
@@ -189,5 +188,3 @@ int msg_read(void *message, const msg_table *table, const json_t *object, unsign
 /* Return the message as a new object, or NULL with *error set. */
 json_t *msg_write(const void *message, const msg_table *table, unsigned mode,
                   sheard_rpc_error *error);
-
-#endif

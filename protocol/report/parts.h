@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* report/parts.h: JSON objects that several reports contain. Every json_t* is a new reference, or
  * NULL if out of memory; it is a JSON null for a NULL argument. */
-#ifndef PROTOCOL_REPORT_PARTS_H
-#define PROTOCOL_REPORT_PARTS_H
+#pragma once
 
 #include "shear/plan.h"
 #include "shear/sums.h"
@@ -26,5 +25,3 @@ json_t *parts_pair(double g1, double g2);
 /* Make a file's entry in a report. With `account`, also the shape of its stamps and the summary of
  * its PSF. */
 json_t *parts_file(const sheard_report_file *file, bool account);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rpc/envelope.h: read and write what all messages share: the id, and the conversion between trees
  * and lines. */
-#ifndef PROTOCOL_RPC_ENVELOPE_H
-#define PROTOCOL_RPC_ENVELOPE_H
+#pragma once
 
 #include "sheard/rpc.h"
 #include "json/text.h"
@@ -31,5 +30,3 @@ int rpc_write_line(char **line, size_t *n, json_t *object, sheard_rpc_error *err
  * is NULL, *error is already set. */
 int rpc_write_text(char **text, size_t *n, json_t *value, size_t flags, const char *tail,
                    sheard_rpc_error *error);
-
-#endif

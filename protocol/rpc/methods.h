@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rpc/methods.h: the methods and notifications with the tables of their messages, from
  * SHEARD_METHODS and SHEARD_NOTICES of sheard/rpc.h. */
-#ifndef PROTOCOL_RPC_METHODS_H
-#define PROTOCOL_RPC_METHODS_H
+#pragma once
 
 #include "message/table.h"
 
@@ -19,5 +18,3 @@ typedef struct rpc_notice {
 
 extern const rpc_method rpc_methods[SHEARD_N_METHODS];
 extern const rpc_notice rpc_notices[SHEARD_N_NOTICES];
-
-#endif

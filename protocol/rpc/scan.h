@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rpc/scan.h: check the limits of a line and find its id, before anything is allocated for it. */
-#ifndef PROTOCOL_RPC_SCAN_H
-#define PROTOCOL_RPC_SCAN_H
+#pragma once
 
 #include "sheard/rpc.h"
 
@@ -14,5 +13,3 @@ typedef struct rpc_scan {
  * any case. */
 int rpc_scan_line(rpc_scan *scan, const char *line, size_t n, const sheard_rpc_limits *limits,
                   sheard_rpc_error *error);
-
-#endif

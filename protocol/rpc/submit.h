@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rpc/submit.h: read the parameters of submit, which are also the content of a job file. */
-#ifndef PROTOCOL_RPC_SUBMIT_H
-#define PROTOCOL_RPC_SUBMIT_H
+#pragma once
 
 #include "sheard/rpc.h"
 
@@ -11,5 +10,3 @@
  * shear_settings_init). On an error *submit is empty. */
 int submit_read(sheard_msg_submit *submit, const json_t *params, const shear_settings *defaults,
                 sheard_rpc_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* cards.h: mutations of header cards. */
-#ifndef TEST_FUZZ_CARDS_H
-#define TEST_FUZZ_CARDS_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -23,5 +22,3 @@ size_t fuzz_below(uint64_t *state, size_t n);
 
 /* Change, double, swap or remove one card. */
 void fuzz_mutate_card(uint8_t *data, size_t size, uint64_t *state);
-
-#endif

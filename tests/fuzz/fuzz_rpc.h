@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef TEST_FUZZ_RPC_H
-#define TEST_FUZZ_RPC_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
 
 /* The name that libFuzzer calls. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-#endif

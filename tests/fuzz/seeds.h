@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* seeds.h: small good field files of every kind, to be spoiled. */
-#ifndef TEST_FUZZ_SEEDS_H
-#define TEST_FUZZ_SEEDS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -16,5 +15,3 @@ enum { FUZZ_SEEDS = 18 };
 const char *fuzz_seed_name(int i);
 /* Needs fixture_setup(). */
 fuzz_bytes fuzz_seed(int i);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* tests/unit/batch.h: many random stamp pairs with catalog columns, a PSF each. */
-#ifndef TEST_BATCH_H
-#define TEST_BATCH_H
+#pragma once
 
 #include "shear/plan.h"
 
@@ -29,5 +28,3 @@ shear_plan *batch_plan(const batch *b, const shear_settings *settings, bool own_
                        bool has_r_gal);
 /* shear_measure_range over all stamps, with a workspace of its own. */
 void batch_measure(const shear_plan *plan, const shear_stamps *stamps, shear_row *rows);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* catalog_fixture.h: what result catalogs are made of in tests. */
-#ifndef TEST_CATALOG_FIXTURE_H
-#define TEST_CATALOG_FIXTURE_H
+#pragma once
 
 #include "shear/catalog.h"
 
@@ -16,5 +15,3 @@ shear_field_info catalog_info(int64_t n, unsigned columns);
 /* Row i: different everywhere, in all bits of a double; each fourth is flagged. */
 shear_row catalog_row(int64_t i);
 shear_result catalog_result(int64_t n);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* config_file.h: configuration files in a temporary directory, and what is wrong with them. */
-#ifndef TEST_CONFIG_FILE_H
-#define TEST_CONFIG_FILE_H
+#pragma once
 
 #include "sheard/config.h"
 #include "test.h"
@@ -29,5 +28,3 @@ void assert_same_config(const sheard_config *a, const sheard_config *b);
 
 /* The i-th problem is an error at `line` of file.conf whose message or advice holds `words`. */
 void assert_problem(const sheard_problems *problems, size_t i, int line, const char *words);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits_fixture.h: good field files, and the tools that spoil them. */
-#ifndef TEST_FITS_FIXTURE_H
-#define TEST_FITS_FIXTURE_H
+#pragma once
 
 #include "shear/field.h"
 #include "test.h"
@@ -70,5 +69,3 @@ size_t fixture_data_offset(const char *path, const char *hdu);
 /* Open must fail with `code`; the message must contain the file's name and each of the words up to
  * NULL. */
 void fixture_expect_open(const char *path, int code, ...);
-
-#endif

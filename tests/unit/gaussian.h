@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* tests/unit/gaussian.h: Gaussian images, whose moments are known exactly. */
-#ifndef TEST_GAUSSIAN_H
-#define TEST_GAUSSIAN_H
+#pragma once
 
 #include "shear/stamp.h"
 
@@ -25,5 +24,3 @@ void assert_rows_near(const shear_row *a, const shear_row *b, double tolerance);
 
 /* n rows are equal to the last bit, NaNs included, their numbers in their files aside. */
 void assert_same_rows(const shear_row *a, const shear_row *b, int n);
-
-#endif

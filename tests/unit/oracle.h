@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* tests/unit/oracle.h: docs/method.md section 1 written down as directly as C allows: slow, plain,
  * with no FFT and nothing from core/measure. What the fast code returns must be this. */
-#ifndef TEST_ORACLE_H
-#define TEST_ORACLE_H
+#pragma once
 
 #include "shear/plan.h"
 
@@ -19,5 +18,3 @@ double oracle_filter(int nx, int ny, int s, int x, int y, double core, double wi
 shear_row oracle_measure(const shear_plan_info *info, const shear_settings *settings,
                          const double *galaxy, const double *noise, const double *psf,
                          double *k_cut);
-
-#endif

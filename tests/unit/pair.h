@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* tests/unit/pair.h: one stamp pair and its measurement, for tests of laws. */
-#ifndef TEST_PAIR_H
-#define TEST_PAIR_H
+#pragma once
 
 #include "shear/plan.h"
 
@@ -40,5 +39,3 @@ double uniform(uint64_t *state);
 /* Smooth random blobs: a field of n Gaussians of width about `sigma` px inside the middle of the
  * image. */
 void draw_blobs(double *out, int nx, int ny, int n, double sigma, uint64_t seed);
-
-#endif

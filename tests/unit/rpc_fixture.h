@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* rpc_fixture.h: messages filled at random through their tables, and compared through them. */
-#ifndef TEST_RPC_FIXTURE_H
-#define TEST_RPC_FIXTURE_H
+#pragma once
 
 #include "message/table.h"
 #include "rpc/methods.h"
@@ -18,5 +17,3 @@ void fill_params(sheard_params *params, int method, uint64_t *seed);
 
 /* Fails the test where two messages differ, by the member's name. */
 void assert_same(const void *a, const void *b, const msg_table *table);
-
-#endif

@@ -2,8 +2,7 @@
 /* scarce.h: memory that runs out at a chosen moment, for programs linked with
  * -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc (the library's own allocations, not those of the
  * system). */
-#ifndef TEST_SCARCE_H
-#define TEST_SCARCE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -11,5 +10,3 @@
 void scarce_after(long n, bool ever);
 /* Whether a request was refused since scarce_after; and memory is plentiful again. */
 bool scarce_end(void);
-
-#endif

@@ -2,8 +2,7 @@
 /* tests/unit/server_fixture.h: a server in a directory and a loop of its own, and clients that are
  * plain descriptors. Nothing sleeps: whoever waits runs the loop until what it waits for is there.
  */
-#ifndef TEST_SERVER_FIXTURE_H
-#define TEST_SERVER_FIXTURE_H
+#pragma once
 
 #include "server/server.h"
 
@@ -82,5 +81,3 @@ void cl_ended(fixture *f, client *c);
 
 /* Text of a request, static until the next. */
 const char *request_text(int64_t id, const char *method, const char *params);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A spool in a directory of its own, a loop, and an owner that remembers what it was told. */
-#ifndef TEST_SPOOL_FIXTURE_H
-#define TEST_SPOOL_FIXTURE_H
+#pragma once
 
 #include "test.h"
 
@@ -56,5 +55,3 @@ void fixture_expect(const spool_fixture *f, const char *name, const char *conten
 int fixture_count(const spool_fixture *f, const char *folder); /* all but . and .. */
 void fixture_end(spool_fixture *f, int found, bool good, const char *report);
 const found_file *fixture_find(const spool_fixture *f, const char *name); /* or NULL */
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* tests/unit/store_fixture.h: a store in a directory of its own, and what its tests do over and
  * over. */
-#ifndef TEST_STORE_FIXTURE_H
-#define TEST_STORE_FIXTURE_H
+#pragma once
 
 #include "store/store.h"
 
@@ -52,5 +51,3 @@ int fx_state(fixture *f, int64_t id);
 /* At most n steps of what is to leave of forgotten fields; returns how many jobs were retracted. */
 int64_t fx_leave(fixture *f, int64_t n);
 store_failure fx_failure(fixture *f, int failure_class, int64_t retry_at_ms);
-
-#endif

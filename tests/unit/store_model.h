@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* tests/unit/store_model.h: what daemon/store promises, as plain arrays: no disk, no SQL, every
  * question answered by a walk. */
-#ifndef TEST_STORE_MODEL_H
-#define TEST_STORE_MODEL_H
+#pragma once
 
 #include "store/store.h"
 
@@ -50,5 +49,3 @@ typedef struct model_forgotten {
 int model_forget(model *m, int field, int settings, model_forgotten *out); /* MODEL_NONE: any */
 int64_t model_retire(model *m, const store_retention *rule);
 void model_restart(model *m, int64_t now_ms);
-
-#endif

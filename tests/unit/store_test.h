@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* tests/unit/store_test.h: a test of the store: cmocka with an open store in *state. */
-#ifndef TEST_STORE_TEST_H
-#define TEST_STORE_TEST_H
+#pragma once
 
 #include "store_fixture.h"
 #include "test.h"
@@ -13,5 +12,3 @@ int fx_teardown(void **state);
 /* The teardown audits the database first: no test may leave a contradiction. */
 
 #define STORE_TEST(f) cmocka_unit_test_setup_teardown(f, fx_setup, fx_teardown)
-
-#endif

@@ -2,8 +2,7 @@
 /* tests/unit/store_vfs.h: a file system for SQLite that fails where it is told to, over the real
  * one. Files are not really synced (the tests would wait for the disk), but what a sync would have
  * made safe is remembered, so that the power can be cut. */
-#ifndef TEST_STORE_VFS_H
-#define TEST_STORE_VFS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -33,5 +32,3 @@ void store_vfs_remember(bool on);
 /* After a power cut (all files closed): bring the database `path` and its journals to their last
  * synced contents. */
 void store_vfs_restart(const char *path);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Mocks, points and statistics for the tests of mocks/. */
-#ifndef TEST_MOCK_FIXTURE_H
-#define TEST_MOCK_FIXTURE_H
+#pragma once
 
 #include "shear_mocks/mock.h"
 #include "test.h"
@@ -32,5 +31,3 @@ double variance_of(const double *v, size_t n);
 /* Kolmogorov-Smirnov: sqrt(n) times the largest distance between the sample (sorted here) and the
  * CDF. */
 double ks_of(double *v, size_t n, double (*cdf)(double, void *), void *context);
-
-#endif

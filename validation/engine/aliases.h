@@ -9,8 +9,7 @@
  * with T = exp(-beta^2 k^2) / |W|^2 and F = f W. f is the galaxy's transform, W that of a Gaussian
  * PSF.
  */
-#ifndef VALIDATION_ALIASES_H
-#define VALIDATION_ALIASES_H
+#pragma once
 
 /* Return |f|^2 at wave number k (per px), averaged over directions, in any unit. */
 typedef double power_function(double k, const void *context);
@@ -23,5 +22,3 @@ double aliases_share(double beta_px, const double sigma_px[2], power_function *p
 /* The power of an exponential disk of half-light radius *(const double *)half_light_px; 0: a point.
  */
 double disk_power(double k, const void *half_light_px);
-
-#endif

@@ -4,8 +4,7 @@
  * A straight line is fitted to the same galaxies at several shears, as in eq. (11) of Zhang (2010).
  * Errors are from the jackknife over groups of galaxies, so that anything common to all shears
  * (shapes, noise) does not contribute to the error of m. */
-#ifndef VALIDATION_BIAS_FIT_H
-#define VALIDATION_BIAS_FIT_H
+#pragma once
 
 #include "engine/jackknife.h"
 
@@ -34,5 +33,3 @@ typedef struct bias_cubic {
     double m, m_err, cubic, cubic_err;
 } bias_cubic;
 bias_cubic bias_fit_cubic(const jackknife_sums *s, const shear_set *set);
-
-#endif

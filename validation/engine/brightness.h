@@ -4,8 +4,7 @@
  * Up to the unit, a galaxy of flux F in noise of sigma is a galaxy of flux 1 in noise of sigma/F,
  * with moments multiplied by F^2. So galaxies and unit noise are drawn once, and each case (a flux
  * for each galaxy, and a sigma) takes only another measurement. */
-#ifndef VALIDATION_BRIGHTNESS_H
-#define VALIDATION_BRIGHTNESS_H
+#pragma once
 
 #include "shear/plan.h"
 #include "shear_mocks/mock.h"
@@ -37,5 +36,3 @@ double brightness_stamps_beta_px(const brightness_stamps *s);
 /* Measure stamps [first, first+count) in each of n cases: rows [n][count]. */
 void brightness_stamps_rows(brightness_stamps *s, int64_t first, int count, int n,
                             const brightness *cases, shear_row *rows);
-
-#endif

@@ -7,8 +7,7 @@
  * depend on (options_describe): a run with the same settings and seed skips finished chunks, and
  * other settings use another file. A line that a crash has cut off is dropped. Numbers are written
  * in hexadecimal, without rounding. */
-#ifndef VALIDATION_CACHE_H
-#define VALIDATION_CACHE_H
+#pragma once
 
 #include "engine/options.h"
 
@@ -38,5 +37,3 @@ double *cache_run(cache *c, const cache_task *task);
 
 /* Return the wall clock time of all chunks in seconds, in this run and earlier ones. */
 double cache_seconds(const cache *c);
-
-#endif

@@ -18,8 +18,7 @@
  * Lengths are in pixels unless a name says otherwise. R_PSF is the nominal radius in eq. (9) of
  * Zhang (2010), not the measured one, and beta-ratio is beta over it.
  */
-#ifndef VALIDATION_EXPERIMENT_H
-#define VALIDATION_EXPERIMENT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -52,5 +51,3 @@ typedef struct experiment {
     int64_t (*stamps)(const struct options *o);
     void (*run)(struct run *r);
 } experiment;
-
-#endif

@@ -4,8 +4,7 @@
  *
  * The unit is the noise of a pixel: a galaxy of signal-to-noise S is S times a noise-free image
  * with a sum of squares of 1, plus noise of standard deviation 1 (10 with photon counting). */
-#ifndef VALIDATION_FLAW_H
-#define VALIDATION_FLAW_H
+#pragma once
 
 #include "engine/light.h"
 
@@ -72,5 +71,3 @@ bool flaw_spoils(const flaw *f, uint64_t seed, int64_t index);
 /* Apply the flaw to PSF number `index` of the file, [side][side], in place. `seed` is for the noise
  * of a star's image. */
 void flaw_spoil_psf(const flaw *f, uint64_t seed, int64_t index, int side, double *psf);
-
-#endif

@@ -14,8 +14,7 @@
  * p is counted in bins of |e|, and the contribution of the counts' noise to the square of the slope
  * is subtracted. Binning smooths p, so the true bound is slightly lower if p has an edge or a cusp.
  */
-#ifndef VALIDATION_INFORMATION_H
-#define VALIDATION_INFORMATION_H
+#pragma once
 
 enum { SHAPE_BINS = 60, SHAPE_CLASSES = 16 };
 
@@ -32,5 +31,3 @@ void shape_counts_add(shape_counts *c, double d, double e1, double e2);
 /* Return the bound on the error of one galaxy, 1/sqrt(I). */
 double shape_bound_line(const shape_counts *c);
 double shape_bound_plane(const shape_counts *c);
-
-#endif

@@ -5,8 +5,7 @@
  * gives the covariance of any function of the totals (shears, differences between methods, m and c
  * over several shears). Contributions that the series have in common cancel in it as they do in the
  * function. */
-#ifndef VALIDATION_JACKKNIFE_H
-#define VALIDATION_JACKKNIFE_H
+#pragma once
 
 #include "engine/statistics.h"
 #include "shear/sums.h"
@@ -53,5 +52,3 @@ void jackknife_covariance(const jackknife_sums *s, jackknife_function *f, const 
 
 /* Test whether the shears of n series are the true one, with the covariance of all of them. */
 chi_square jackknife_test(const jackknife_sums *s, int n, const int *series, const double truth[2]);
-
-#endif

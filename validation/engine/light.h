@@ -9,8 +9,7 @@
  * are the same as by sampling. The image is periodic, with a period of at least twice the stamp.
  *
  * This is independent of the mocks, which paint points, and of the transforms of libshear. */
-#ifndef VALIDATION_LIGHT_H
-#define VALIDATION_LIGHT_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -46,5 +45,3 @@ void light_free(light *l);
 void light_draw(light *l, const light_galaxy *g, double x, double y, double *out);
 /* Draw the PSF, including the pixel response, centred on sample [side/2][side/2]. */
 void light_draw_psf(light *l, double *out);
-
-#endif

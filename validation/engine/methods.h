@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* methods.h: the paper's six interpolations, and the sizes of stamps and PSF images for them. */
-#ifndef VALIDATION_METHODS_H
-#define VALIDATION_METHODS_H
+#pragma once
 
 #include "engine/sample.h"
 #include "shear_figures/figure.h"
@@ -40,5 +39,3 @@ series method_series(int i_method, enum psf_sampling sampling, double r_psf_px,
 enum { N_METHOD_SERIES = N_METHODS * N_PSF_SAMPLINGS };
 void method_series_all(series all[N_METHOD_SERIES], double r_psf_px,
                        const shear_settings *settings);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* must.h: error handling of shear-paper, which ends at its first failure: finished chunks are in
  * the result cache, and the next start continues from there. */
-#ifndef VALIDATION_MUST_H
-#define VALIDATION_MUST_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -24,5 +23,3 @@ _Noreturn void must_fail(int code, const char *advice, const char *format, ...)
 /* Return zeroed memory of n elements, at least one, to be freed by the caller. `what` is for the
  * error message. */
 void *must_allocate(size_t n, size_t size, const char *what);
-
-#endif

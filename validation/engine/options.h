@@ -5,8 +5,7 @@
  * (--galaxies, --groups, --threads, ...), the options of the mocks (as in `shearctl help mock`) and
  * the settings of the measurement (as in `shearctl help measure`). A setting with the name of a
  * mock option is --measure-NAME. */
-#ifndef VALIDATION_OPTIONS_H
-#define VALIDATION_OPTIONS_H
+#pragma once
 
 #include "engine/experiment.h"
 #include "shear/settings.h"
@@ -53,5 +52,3 @@ char *options_describe(const options *o);
 
 /* Write OUT/NAME-suffix.ext, or OUT/NAME.ext if suffix is NULL, into path. Returns path. */
 char *options_path(const options *o, const char *suffix, const char *ext, char path[OPTIONS_PATH]);
-
-#endif

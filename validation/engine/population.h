@@ -4,8 +4,7 @@
  * Half-light radii are log-uniform from 2 to 4.5 px. Up to half of the light is in a bulge of 0.6
  * times the disk's radius. Each component of the ellipticity (|e| = (a - b)/(a + b)) has a scatter
  * of 0.26, cut at |e| = 0.7. Everything is a function of seed and number only. */
-#ifndef VALIDATION_POPULATION_H
-#define VALIDATION_POPULATION_H
+#pragma once
 
 #include "engine/light.h"
 
@@ -50,5 +49,3 @@ void population_centre(const population *p, int64_t stamp, double *x, double *y)
 light_galaxy population_bare(const population *p, int64_t stamp);
 /* Return the half-light radius of its disk, px. */
 double population_radius(const population *p, int64_t stamp);
-
-#endif

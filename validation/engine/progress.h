@@ -2,8 +2,7 @@
 /* progress.h: a progress line on standard error: part done, speed, remaining time.
  *
  * On a terminal the line is redrawn; otherwise (a log file) a new line is written every minute. */
-#ifndef VALIDATION_PROGRESS_H
-#define VALIDATION_PROGRESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -14,5 +13,3 @@ void progress_begin(int64_t total, bool quiet);
 void progress_add(const char *label, int64_t stamps, bool cached);
 /* Erase the line. */
 void progress_end(void);
-
-#endif

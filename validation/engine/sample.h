@@ -23,8 +23,7 @@
  *    powers cancel; only their products with the galaxy remain. One more measurement so gives the
  *    precision of many more galaxies.
  */
-#ifndef VALIDATION_SAMPLE_H
-#define VALIDATION_SAMPLE_H
+#pragma once
 
 #include "engine/cache.h"
 #include "engine/jackknife.h"
@@ -76,5 +75,3 @@ void sampler_inspect(sampler *s, int i_series, const shear_stamps *stamps, int i
 
 /* Return a plan for stamps of this mock with its first PSF, to be freed by shear_plan_free. */
 shear_plan *sampler_plan(const shear_mock *mock, const shear_settings *settings);
-
-#endif

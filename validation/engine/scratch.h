@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scratch.h: a temporary file. */
-#ifndef VALIDATION_SCRATCH_H
-#define VALIDATION_SCRATCH_H
+#pragma once
 
 /* Return a file name in a new directory in $TMPDIR (or /tmp), the same at every call. File and
  * directory are removed when the program ends, also by must_fail. */
 const char *scratch_path(void);
-
-#endif

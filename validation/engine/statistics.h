@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* statistics.h: statistical tests of the results: chi-square, Kolmogorov-Smirnov, spread, a line
  * fit. */
-#ifndef VALIDATION_STATISTICS_H
-#define VALIDATION_STATISTICS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -37,5 +36,3 @@ double ks_distance(double *v, size_t n, double nu, double *p);
 
 /* Fit a straight line to the points: y = a + b x. */
 void line_fit(size_t n, const double *x, const double *y, double *a, double *b);
-
-#endif

@@ -6,8 +6,7 @@
  * All levels of signal-to-noise and all ways of measuring use the same galaxies and noise. Errors
  * are from the jackknife over the groups, or from independent fields (trial_sums.h). m is along the
  * shear: (g(+) - g(-)) . g / (2 |g|^2) - 1. */
-#ifndef VALIDATION_TRIAL_H
-#define VALIDATION_TRIAL_H
+#pragma once
 
 #include "engine/cache.h"
 #include "engine/flaw.h"
@@ -69,5 +68,3 @@ trial_outcome *trial_run(const trial *t, cache *c, const char *name);
 
 /* Options of the mocks and settings that trials do not use: all except seed and shear. */
 extern const char trial_fixed[];
-
-#endif

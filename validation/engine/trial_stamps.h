@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* trial_stamps.h: the stamps of a trial, drawn by group and written as field files. */
-#ifndef VALIDATION_TRIAL_STAMPS_H
-#define VALIDATION_TRIAL_STAMPS_H
+#pragma once
 
 #include "engine/trial.h"
 
@@ -24,5 +23,3 @@ typedef struct trial_stamps_view {
     const double *galaxy, *noise, *bare;
 } trial_stamps_view;
 trial_stamps_view trial_stamps_look(const trial_stamps *s, int sign);
-
-#endif

@@ -2,8 +2,7 @@
 /* trial_sums.h: sums and terms of the files of a trial (one level, one way) by group and sign of
  * the shear, and m, c and errors from them: by a jackknife over the groups for the mean, by the
  * scatter of 16 independent fields for pdf-sym. */
-#ifndef VALIDATION_TRIAL_SUMS_H
-#define VALIDATION_TRIAL_SUMS_H
+#pragma once
 
 #include "engine/trial.h"
 #include "shear/sums.h"
@@ -27,5 +26,3 @@ void trial_sums_shift(const trial_sums *s, const trial_sums *reference, const tr
                       double *shift, double *shift_err);
 /* Return the result of all groups at one sign. */
 shear_result trial_sums_result(const trial_sums *s, int sign);
-
-#endif

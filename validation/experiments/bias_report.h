@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* bias_report.h: the results of the experiment `bias`; their table and figure. */
-#ifndef VALIDATION_BIAS_REPORT_H
-#define VALIDATION_BIAS_REPORT_H
+#pragma once
 
 #include "engine/bias_fit.h"
 #include "report/chart.h"
@@ -42,5 +41,3 @@ extern const char *const bias_noises[];
 
 /* Fill the run's table and draw its figure. */
 void bias_report(run *r, const lines *all);
-
-#endif

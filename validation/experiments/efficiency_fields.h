@@ -4,8 +4,7 @@
  *
  * A field's result is a row of numbers for the cache: EFFICIENCY_PER_CASE for each case, then the
  * counts of shapes (information.h). */
-#ifndef VALIDATION_EFFICIENCY_FIELDS_H
-#define VALIDATION_EFFICIENCY_FIELDS_H
+#pragma once
 
 #include "engine/brightness.h"
 #include "engine/cache.h"
@@ -59,5 +58,3 @@ efficiency_outcome efficiency_fields_outcome(const efficiency_fields *f, int i_c
 
 /* Return the counts of the shapes of all fields' galaxies. */
 shape_counts efficiency_fields_shapes(const efficiency_fields *f);
-
-#endif

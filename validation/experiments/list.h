@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* list.h: declarations of all experiments. */
-#ifndef VALIDATION_LIST_H
-#define VALIDATION_LIST_H
+#pragma once
 
 #include "engine/experiment.h"
 
@@ -18,5 +17,3 @@ extern const experiment experiment_survey;
 extern const experiment experiment_precision;
 extern const experiment experiment_narrow;
 extern const experiment experiment_selection;
-
-#endif

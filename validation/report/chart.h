@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* chart.h: panels of the shear against another quantity, as in most figures of the paper. */
-#ifndef VALIDATION_CHART_H
-#define VALIDATION_CHART_H
+#pragma once
 
 #include "shear_figures/figure.h"
 
@@ -34,5 +33,3 @@ typedef struct chart {
 } chart;
 /* Draw the whole panel. */
 void chart_draw(shear_figure *f, shear_rect cell, const chart *c);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* run.h: one run of an experiment, and its output: a table and figures. */
-#ifndef VALIDATION_RUN_H
-#define VALIDATION_RUN_H
+#pragma once
 
 #include "engine/cache.h"
 #include "report/chart.h"
@@ -35,5 +34,3 @@ void panels_draw(const panels *p, int i, const chart *c);
 /* Print the table, save it and the figures in the order of their creation, with the run time of all
  * chunks as metadata, and print their paths. Then close and free everything. */
 void run_end(run *r);
-
-#endif

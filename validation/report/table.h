@@ -2,8 +2,7 @@
 /* table.h: an experiment's table, printed as text and written as ECSV (astropy's text tables).
  *
  * Add the columns first, then the cells, row by row in their order. */
-#ifndef VALIDATION_TABLE_H
-#define VALIDATION_TABLE_H
+#pragma once
 
 #include "engine/options.h"
 
@@ -49,5 +48,3 @@ void table_conclude(table *t, const char *format, ...) __attribute__((format(pri
 void table_print(const table *t, FILE *out);
 /* Write OUT/NAME.ecsv, completely or not at all. */
 void table_save(const table *t, const options *o);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base/array.h: grow an array on the heap that has a length and a capacity. */
-#ifndef BASE_ARRAY_H
-#define BASE_ARRAY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -30,5 +29,3 @@ bool array_reserve_exact(void *items, size_t *capacity, size_t needed, size_t it
 /* Return the capacity that follows `capacity` and holds `needed` items, at least 64 bytes: for
  * arrays with limits of their own. */
 size_t array_next_capacity(size_t capacity, size_t needed, size_t item_size);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base/buffer.h: a growing array of bytes. A failure is remembered, so that the caller checks once,
  * at the end. */
-#ifndef BASE_BUFFER_H
-#define BASE_BUFFER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,5 +23,3 @@ bool buffer_add_text(buffer *b, const char *text);
 char *buffer_take(buffer *b, size_t *n);
 
 void buffer_deinit(buffer *b);
-
-#endif

@@ -14,8 +14,7 @@
  * and TRY for a call whose error ends the function:
  *
  *     TRY(read_header(t, f, err)); */
-#ifndef BASE_CLEANUP_H
-#define BASE_CLEANUP_H
+#pragma once
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,5 +66,3 @@ static inline void release_file(FILE **file) {
     if (*file != NULL)
         fclose(*file);
 }
-
-#endif

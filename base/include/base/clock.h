@@ -4,8 +4,7 @@
  * CLOCK_REALTIME is the wall clock, since 1970, for times that are reported and stored.
  * CLOCK_MONOTONIC and CLOCK_BOOTTIME cannot be set, and serve timeouts and durations.
  * CLOCK_THREAD_CPUTIME_ID is the CPU time of the calling thread. Whole units are rounded down. */
-#ifndef BASE_CLOCK_H
-#define BASE_CLOCK_H
+#pragma once
 
 #include <stdint.h>
 #include <time.h>
@@ -14,5 +13,3 @@ int64_t clock_ns(clockid_t clock);
 int64_t clock_us(clockid_t clock);
 int64_t clock_ms(clockid_t clock);
 double clock_s(clockid_t clock);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base/io.h: complete reads and writes of descriptors, continued after a signal (EINTR). */
-#ifndef BASE_IO_H
-#define BASE_IO_H
+#pragma once
 
 #include <stddef.h>
 #include <sys/types.h>
@@ -23,5 +22,3 @@ int io_finish(int fd, int error);
 /* Open a nameless file in `directory` for reading and writing; it is gone when it is closed. Return
  * a descriptor (close-on-exec), or -1 with errno set. */
 int io_open_nameless(const char *directory);
-
-#endif

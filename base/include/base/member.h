@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base/member.h: typed members of structs, by offset, for tables that describe a struct (settings,
  * messages). */
-#ifndef BASE_MEMBER_H
-#define BASE_MEMBER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -40,5 +39,3 @@ size_t member_size(enum member_type type);
 /* Return whether two members are equal. NaN equals NaN, texts are compared byte by byte, and NULL
  * equals only NULL. */
 bool member_equal(enum member_type type, const void *a, const void *b);
-
-#endif

@@ -4,8 +4,7 @@
  * SHEAR_SIMD before a function compiles it for plain x86-64, AVX2 and AVX-512. The loader chooses
  * one (ifunc), so that a package for the baseline uses what the machine has. It is empty on other
  * machines and under sanitizers. */
-#ifndef SHEAR_SIMD_H
-#define SHEAR_SIMD_H
+#pragma once
 
 #include <math.h>
 
@@ -34,6 +33,4 @@
 extern double exp(double x);
 #pragma omp declare simd notinbranch
 extern double log(double x);
-#endif
-
 #endif

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base/sort.h: sort doubles in ascending order. */
-#ifndef BASE_SORT_H
-#define BASE_SORT_H
+#pragma once
 
 #include <stddef.h>
 
 /* Sort n values, none of which may be NaN. */
 void sort_doubles(double *values, size_t n);
-
-#endif

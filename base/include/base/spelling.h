@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base/spelling.h: compare names as people write them, with '-' and '_' as the same character. */
-#ifndef BASE_SPELLING_H
-#define BASE_SPELLING_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -19,5 +18,3 @@ typedef struct spelling {
 } spelling;
 
 void spelling_consider(spelling *s, const char *candidate);
-
-#endif

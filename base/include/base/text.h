@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base/text.h: texts in buffers of fixed size, and numbers in texts. */
-#ifndef BASE_TEXT_H
-#define BASE_TEXT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,5 +35,3 @@ bool text_to_double(const char *text, double *value);
 /* Return the fewest significant digits, from `least` to 17, with which "%.*g" writes a finite value
  * so that strtod reads the same bits back. */
 int text_digits(double value, int least);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* base/utf8.h: decode UTF-8, as defined by table 3-7 of the Unicode standard. */
-#ifndef BASE_UTF8_H
-#define BASE_UTF8_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -11,5 +10,3 @@
  * that cannot begin a sequence, a truncated or overlong sequence, a surrogate, or a value beyond
  * U+10FFFF. */
 size_t utf8_decode(const char *text, uint32_t *point);
-
-#endif

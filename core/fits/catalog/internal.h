@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/catalog/internal.h: the members of a catalog that is being written. */
-#ifndef SHEAR_FITS_CATALOG_INTERNAL_H
-#define SHEAR_FITS_CATALOG_INTERNAL_H
+#pragma once
 
 #include "base/cleanup.h"
 #include "fits/io/bitset.h"
@@ -36,5 +35,3 @@ bool sf_catalog_has_columns(shear_catalog *c);
  * number of rows that are on disk. */
 #define SF_KEPT_FOR  "KEPTFOR"
 #define SF_KEPT_ROWS "KEPTROWS"
-
-#endif

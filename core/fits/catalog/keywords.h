@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/catalog/keywords.h: write and read the keywords of a result catalog. */
-#ifndef SHEAR_FITS_CATALOG_KEYWORDS_H
-#define SHEAR_FITS_CATALOG_KEYWORDS_H
+#pragma once
 
 #include "fits/header/cards.h"
 #include "shear/catalog.h"
@@ -21,5 +20,3 @@ void sf_catalog_write_result(fitsfile *f, const shear_plan *plan, const shear_re
 
 /* Read back FIELD, SIM_G1, SIM_G2, BETA, R_PSF and the result. SHEAR_E_FORMAT. */
 int sf_catalog_read_header(const sf_cards *cards, shear_catalog_table *t, shear_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/catalog/schema.h: the columns and flag keywords of result catalogs, for their writer and
  * reader. */
-#ifndef SHEAR_FITS_CATALOG_SCHEMA_H
-#define SHEAR_FITS_CATALOG_SCHEMA_H
+#pragma once
 
 #include "shear/stamp.h"
 
@@ -36,5 +35,3 @@ extern const sf_place_member sf_catalog_places[SF_CATALOG_PLACES];
 
 /* NF_...: the number of rows that carry flag i. */
 extern const char *const sf_flag_keywords[SHEAR_N_FLAGS];
-
-#endif

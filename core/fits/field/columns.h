@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/field/columns.h: the columns of a field's CATALOG table. */
-#ifndef SHEAR_FITS_FIELD_COLUMNS_H
-#define SHEAR_FITS_FIELD_COLUMNS_H
+#pragma once
 
 #include "fits/field/parts.h"
 #include "fits/header/table.h"
@@ -42,5 +41,3 @@ int sf_columns_read_int64(sf_columns *c, unsigned bit, int64_t first, int64_t co
 /* The same; values beyond the range of int32_t are clamped. */
 int sf_columns_read_int32(sf_columns *c, unsigned bit, int64_t first, int64_t count,
                           int32_t undefined, int32_t *out, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/field/internal.h: the members of an open field file. */
-#ifndef SHEAR_FITS_FIELD_INTERNAL_H
-#define SHEAR_FITS_FIELD_INTERNAL_H
+#pragma once
 
 #include "fits/field/columns.h"
 #include "fits/field/parts.h"
@@ -22,5 +21,3 @@ int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err
 /* Open the PSF's HDU and set its shape, number and OVERSAMP in f->info (psf.c). The catalog must be
  * open. */
 int sf_field_open_psf(shear_field *f, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/field/name.h: check the names of fields, which are used in protocols and reports. */
-#ifndef SHEAR_FITS_FIELD_NAME_H
-#define SHEAR_FITS_FIELD_NAME_H
+#pragma once
 
 #include "fits/io/status.h"
 
@@ -14,5 +13,3 @@ int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, co
 
 /* Copy a file's base name without .gz, .fz and .fits into out[size]. */
 void sf_field_name_default(char *out, size_t size, const char *base);
-
-#endif

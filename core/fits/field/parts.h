@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/field/parts.h: the files that a field consists of, and the HDU of each part. */
-#ifndef SHEAR_FITS_FIELD_PARTS_H
-#define SHEAR_FITS_FIELD_PARTS_H
+#pragma once
 
 #include "fits/header/file.h"
 #include "shear/input.h"
@@ -31,5 +30,3 @@ int sf_part_require(const sf_part *part, shear_error *err);
 
 /* Return whether the parts are those of one field file. */
 bool sf_parts_are_whole(const sf_parts *p);
-
-#endif

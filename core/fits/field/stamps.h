@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/field/stamps.h: read an image HDU as a sequence of stamps, from a cube or a mosaic. */
-#ifndef SHEAR_FITS_FIELD_STAMPS_H
-#define SHEAR_FITS_FIELD_STAMPS_H
+#pragma once
 
 #include "fits/field/parts.h"
 #include "fits/tiles/image.h"
@@ -24,5 +23,3 @@ void sf_stamps_deinit(sf_stamps *s);
 
 /* Read stamps [first, first + count) into out[count][ny][nx]. */
 int sf_stamps_read(sf_stamps *s, int64_t first, int64_t count, double *out, shear_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/header/card.h: one 80-character header card ("KEYWORD = value / comment"). */
-#ifndef SHEAR_FITS_HEADER_CARD_H
-#define SHEAR_FITS_HEADER_CARD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +26,3 @@ bool sf_card_has_value(const char card[SF_CARD]);
 /* Copy the value's characters as they are, without the comment. */
 void sf_card_token(const char card[SF_CARD], char out[SF_CARD + 1]);
 bool sf_card_string(const char card[SF_CARD], char *out, size_t size);
-
-#endif

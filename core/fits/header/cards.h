@@ -2,8 +2,7 @@
 /* fits/header/cards.h: one HDU's header in memory, and its keywords.
  *
  * A keyword that is looked up must not appear twice. A keyword without a value counts as absent. */
-#ifndef SHEAR_FITS_HEADER_CARDS_H
-#define SHEAR_FITS_HEADER_CARDS_H
+#pragma once
 
 #include "fits/header/file.h"
 
@@ -36,5 +35,3 @@ int sf_need_int(const sf_cards *c, const char *key, int64_t min, int64_t max, in
 /* Read a string, which may continue over several cards. *text is malloc'd; NULL if the keyword is
  * absent. A value that is not a string is copied as it is. */
 int sf_key_string(const sf_cards *c, const char *key, char **text, shear_error *err);
-
-#endif

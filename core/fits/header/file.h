@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/header/file.h: an open FITS file whose HDUs are known. */
-#ifndef SHEAR_FITS_HEADER_FILE_H
-#define SHEAR_FITS_HEADER_FILE_H
+#pragma once
 
 #include "fits/header/hdu_index.h"
 #include "fits/io/source.h"
@@ -16,5 +15,3 @@ typedef struct sf_file {
 int sf_file_open(sf_file *f, const char *path, shear_error *err);
 int sf_file_open_fd(sf_file *f, int fd, const char *name, shear_error *err);
 void sf_file_close(sf_file *f);
-
-#endif

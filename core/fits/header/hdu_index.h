@@ -5,8 +5,7 @@
  * is refused. Keywords that decide where an HDU ends must be present, in range, and unique. CFITSIO
  * is never given the file itself: for an HDU that is read it is given a view with a header made for
  * it (view.h). */
-#ifndef SHEAR_FITS_HEADER_HDU_INDEX_H
-#define SHEAR_FITS_HEADER_HDU_INDEX_H
+#pragma once
 
 #include "fits/io/status.h"
 
@@ -50,5 +49,3 @@ void sf_hdu_index_deinit(sf_hdu_index *s);
  */
 int sf_hdu_index_find(const sf_hdu_index *s, const char *name, bool required, const sf_hdu **hdu,
                       shear_error *err);
-
-#endif

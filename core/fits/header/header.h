@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/header/header.h: parse the structural keywords of one header. */
-#ifndef SHEAR_FITS_HEADER_HEADER_H
-#define SHEAR_FITS_HEADER_HEADER_H
+#pragma once
 
 #include "fits/header/hdu_index.h"
 
@@ -31,5 +30,3 @@ int sf_header_end(sf_header *h, const char *file, shear_error *err);
 
 /* Format the HDU's label into `out`: "GALAXY", or "3 (from 0)" if it has no name. Return out. */
 const char *sf_header_label(const sf_header *h, char out[SF_NAME]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/header/key_write.h: write keywords (cards.h reads them). */
-#ifndef SHEAR_FITS_HEADER_KEY_WRITE_H
-#define SHEAR_FITS_HEADER_KEY_WRITE_H
+#pragma once
 
 #include <fitsio.h>
 
@@ -9,5 +8,3 @@
  * finite, because FITS has no notation for that. */
 void sf_key_write_double(fitsfile *fits, const char *key, double value, const char *comment,
                          int *status);
-
-#endif

@@ -3,8 +3,7 @@
  * their numbers.
  *
  * Of columns that are not looked up, only TFORMn is checked, because it gives their width. */
-#ifndef SHEAR_FITS_HEADER_TABLE_H
-#define SHEAR_FITS_HEADER_TABLE_H
+#pragma once
 
 #include "fits/header/cards.h"
 
@@ -56,5 +55,3 @@ bool sf_column_is_unsigned(const sf_column *column);
 /* Read `bytes` bytes of row `row`, from `offset` in the row. SHEAR_E_IO, SHEAR_E_FORMAT. */
 int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,
                    shear_error *err);
-
-#endif

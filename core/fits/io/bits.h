@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/io/bits.h: read a stream of bits, most significant first, and never past its end. */
-#ifndef SHEAR_FITS_IO_BITS_H
-#define SHEAR_FITS_IO_BITS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -20,5 +19,3 @@ bool sf_bits_skip_unary(sf_bits *b);
 
 /* Return the unsigned number in n bytes, at most 8, most significant byte first. */
 uint64_t sf_bits_big_endian(const unsigned char *bytes, int64_t n);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/io/bitset.h: a set of the numbers 0 to n - 1, such as the rows written so far. */
-#ifndef SHEAR_FITS_IO_BITSET_H
-#define SHEAR_FITS_IO_BITSET_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -17,5 +16,3 @@ bool sf_bitset_has(const sf_bitset *b, int64_t i);
 void sf_bitset_add(sf_bitset *b, int64_t first, int64_t count);
 /* Return the first bit that is not set, or -1. */
 int64_t sf_bitset_first_gap(const sf_bitset *b);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/io/gunzip.h: unpack a gzip file into an unlinked temporary file in $TMPDIR (or /tmp). */
-#ifndef SHEAR_FITS_IO_GUNZIP_H
-#define SHEAR_FITS_IO_GUNZIP_H
+#pragma once
 
 #include "fits/io/status.h"
 
@@ -17,5 +16,3 @@ bool sf_is_gzip(const unsigned char *bytes, int64_t count);
  * offset of `in` is not used. SHEAR_E_FORMAT: damaged, truncated, not FITS, too large; SHEAR_E_IO
  * or SHEAR_E_FULL: the copy cannot be written; SHEAR_E_NOMEM. */
 int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err);
-
-#endif

@@ -5,8 +5,7 @@
  * renamed. A file that outlives its process is called ".NAME.part", so that it can be found again.
  * CFITSIO is passed only "/proc/self/fd/N/.sheard-...", where N is the open directory: no user's
  * path ever reaches its file-name syntax. */
-#ifndef SHEAR_FITS_IO_OUTPUT_H
-#define SHEAR_FITS_IO_OUTPUT_H
+#pragma once
 
 #include "fits/io/status.h"
 
@@ -51,5 +50,3 @@ int sf_output_sync(sf_output *out, shear_error *err);
 void sf_output_suspend(sf_output *out);
 /* Remove the temporary file of lasting name, if there is one. */
 int sf_output_discard_kept(const char *path, shear_error *err);
-
-#endif

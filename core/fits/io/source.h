@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/io/source.h: open a regular file that begins like FITS, unpacked if it is gzipped. */
-#ifndef SHEAR_FITS_IO_SOURCE_H
-#define SHEAR_FITS_IO_SOURCE_H
+#pragma once
 
 #include "fits/io/status.h"
 
@@ -31,5 +30,3 @@ int sf_open_regular(const char *path, sf_place at, int *fd, int64_t *bytes, shea
 int sf_check_regular(int fd, sf_place at, int64_t *bytes, shear_error *err);
 /* Format a path for messages: control characters replaced, a long path shortened from the left. */
 void sf_printable_name(char *out, size_t size, const char *path);
-
-#endif

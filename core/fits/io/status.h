@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/io/status.h: errors of core/fits: every message begins with "file '...', HDU ...: ". */
-#ifndef SHEAR_FITS_IO_STATUS_H
-#define SHEAR_FITS_IO_STATUS_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -23,5 +22,3 @@ int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing)
 int sf_fail_errno(shear_error *err, sf_place at, int number, const char *doing);
 
 int sf_fail_memory(shear_error *err, sf_place at);
-
-#endif

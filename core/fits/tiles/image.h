@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/tiles/image.h: read an image HDU, plain or tile-compressed, in boxes of pixels as
  * doubles. */
-#ifndef SHEAR_FITS_TILES_IMAGE_H
-#define SHEAR_FITS_TILES_IMAGE_H
+#pragma once
 
 #include "fits/tiles/tiles.h"
 
@@ -30,5 +29,3 @@ void sf_image_deinit(sf_image *image);
  * NaN. */
 int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
                   double *out, shear_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  * CFITSIO's decompressors trust their input: they read past the end of a stream that is too short,
  * and write as many pixels as an H-compress stream claims to have. These functions follow a stream
  * first, and return false if it is not sound. */
-#ifndef SHEAR_FITS_TILES_TILE_STREAM_H
-#define SHEAR_FITS_TILES_TILE_STREAM_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -26,5 +25,3 @@ bool sf_plio_sound(const unsigned char *bytes, int64_t count, int64_t pixels);
  * pixel. */
 bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, const int64_t sides[3],
                         bool wide, unsigned char *work);
-
-#endif

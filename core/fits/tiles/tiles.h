@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/tiles/tiles.h: check the tiles of a compressed image before CFITSIO unpacks them. */
-#ifndef SHEAR_FITS_TILES_TILES_H
-#define SHEAR_FITS_TILES_TILES_H
+#pragma once
 
 #include "fits/io/bitset.h"
 #include "fits/tiles/tiling.h"
@@ -24,5 +23,3 @@ void sf_tiles_deinit(sf_tiles *t);
  * the tile. */
 int sf_tiles_check(sf_tiles *t, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
                    shear_error *err);
-
-#endif

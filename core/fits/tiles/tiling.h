@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/tiles/tiling.h: read and check the keywords and columns of a tile-compressed image. */
-#ifndef SHEAR_FITS_TILES_TILING_H
-#define SHEAR_FITS_TILES_TILING_H
+#pragma once
 
 #include "fits/header/table.h"
 #include "fits/tiles/view.h"
@@ -39,5 +38,3 @@ int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err);
  * HDU, and the table. `bscale` and `bzero` are the image's. */
 void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, double bzero,
                     sf_view *view);
-
-#endif

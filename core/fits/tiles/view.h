@@ -6,8 +6,7 @@
  * an I/O driver of this library): a header of the keywords below, each checked and written here,
  * followed by the bytes of one HDU's data. Nothing else in the file's headers, of this HDU or
  * another, reaches CFITSIO. */
-#ifndef SHEAR_FITS_TILES_VIEW_H
-#define SHEAR_FITS_TILES_VIEW_H
+#pragma once
 
 #include "base/buffer.h"
 #include "fits/header/file.h"
@@ -35,5 +34,3 @@ void sf_view_end(sf_view *v);
 int sf_view_open(sf_view *v, int number, sf_place at, fitsfile **fits, shear_error *err);
 void sf_view_close(fitsfile *fits);
 void sf_view_deinit(sf_view *v);
-
-#endif

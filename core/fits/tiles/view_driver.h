@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/tiles/view_driver.h: open views in CFITSIO, through an I/O driver. */
-#ifndef SHEAR_FITS_TILES_VIEW_DRIVER_H
-#define SHEAR_FITS_TILES_VIEW_DRIVER_H
+#pragma once
 
 #include "fits/tiles/view.h"
 
@@ -10,5 +9,3 @@
 int sf_view_driver_open(sf_view *v, fitsfile **fits, int *status, shear_error *err);
 /* Release the view's slot, after CFITSIO has closed it or could not open it. */
 void sf_view_driver_release(sf_view *v);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/clock.h: the two clocks of the service, in milliseconds. */
-#ifndef SHEARD_SERVICE_CLOCK_H
-#define SHEARD_SERVICE_CLOCK_H
+#pragma once
 
 #include "base/clock.h"
 
@@ -16,5 +15,3 @@ static inline int64_t clock_wall_ms(void) {
 static inline int64_t clock_steady_ms(void) {
     return clock_ms(CLOCK_BOOTTIME);
 }
-
-#endif

@@ -2,8 +2,7 @@
 /* service/core/clock_watch.h: detect that the wall clock was set, and move waiting jobs with it.
  * Times that are shown or stored are the wall clock's; intervals are measured by the steady
  * clock. */
-#ifndef SHEARD_SERVICE_CLOCK_WATCH_H
-#define SHEARD_SERVICE_CLOCK_WATCH_H
+#pragma once
 
 #include "service/core/group.h"
 #include "sheard/config.h"
@@ -26,5 +25,3 @@ void clock_watch_look(clock_watch *w);
 /* Return the wall clock for removing things because of their age: never ahead of the present wall
  * clock. A clock that was set forward is trusted after a day. */
 int64_t clock_watch_for_ages(const clock_watch *w);
-
-#endif

@@ -3,8 +3,7 @@
  * they are set, and every few seconds in libuv's thread pool, so that a file server that does not
  * answer blocks nobody. Jobs beneath a missing root wait; when it is there again, they are tried at
  * once. */
-#ifndef SHEARD_SERVICE_DATA_ROOTS_H
-#define SHEARD_SERVICE_DATA_ROOTS_H
+#pragma once
 
 #include "service/core/group.h"
 #include "service/core/lifecycle.h"
@@ -41,5 +40,3 @@ const sheard_msg_root *data_roots_get(data_roots *d, size_t *n); /* valid until 
 /* Write a message for each missing root into list[capacity], and return how many there are. The
  * texts are borrowed. */
 size_t data_roots_missing(const data_roots *d, const char **list, size_t capacity);
-
-#endif

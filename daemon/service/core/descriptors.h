@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/descriptors.h: keep enough file descriptors for the service's own files, jobs and
  * administrators, whatever clients use. */
-#ifndef SHEARD_SERVICE_DESCRIPTORS_H
-#define SHEARD_SERVICE_DESCRIPTORS_H
+#pragma once
 
 #include "sheard/config.h"
 
@@ -12,5 +11,3 @@ void descriptors_raise(const sheard_config *config);
 
 /* Return [limits] connections, or as many as there are descriptors for. */
 int64_t descriptors_connections(const sheard_config *config);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/directory.h: make a directory if it is missing. */
-#ifndef SHEARD_SERVICE_DIRECTORY_H
-#define SHEARD_SERVICE_DIRECTORY_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -9,5 +8,3 @@
 
 /* Make the directory, unless it exists. SHEAR_E_IO. */
 int directory_make(const char *path, mode_t mode, shear_error *err);
-
-#endif

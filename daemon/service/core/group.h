@@ -4,8 +4,7 @@
  * moved files, notifications, started jobs) are post-commit callbacks: these run after the commit,
  * in the order of their registration. Changes that they make belong to the next group, which is
  * committed in the next turn. */
-#ifndef SHEARD_SERVICE_GROUP_H
-#define SHEARD_SERVICE_GROUP_H
+#pragma once
 
 #include "service/core/problem_notes.h"
 #include "store/store.h"
@@ -57,5 +56,3 @@ void *group_then(group *g, post_commit_run *run, int64_t job, size_t size);
 bool group_is_failing(const group *g);
 /* Return true if no group is open and no callback waits. */
 bool group_is_idle(const group *g);
-
-#endif

@@ -5,8 +5,7 @@
  *     DRAINING  accepts no jobs, finishes those that it has, and continues to serve
  *     STOPPING  accepts and starts no jobs; closes when the running ones have ended or were put
  *               back into the queue, and their results are on disk */
-#ifndef SHEARD_SERVICE_LIFECYCLE_H
-#define SHEARD_SERVICE_LIFECYCLE_H
+#pragma once
 
 #include "sheard/messages.h"
 
@@ -35,5 +34,3 @@ void lifecycle_check(service *s);
 /* Close the server, which has `flush_ms` milliseconds to send what is left, and then all other
  * handles, so that the loop ends. */
 void lifecycle_close(service *s, int64_t flush_ms);
-
-#endif

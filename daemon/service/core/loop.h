@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/loop.h: the loop's events other than clients and files: signals, a tick every
  * second, the engine. */
-#ifndef SHEARD_SERVICE_LOOP_H
-#define SHEARD_SERVICE_LOOP_H
+#pragma once
 
 #include <uv.h>
 
@@ -17,5 +16,3 @@ typedef struct loop_events {
 } loop_events;
 
 void loop_start(service *s);
-
-#endif

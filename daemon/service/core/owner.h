@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/owner.h: refuse to run as root in another user's state directory. */
-#ifndef SHEARD_SERVICE_OWNER_H
-#define SHEARD_SERVICE_OWNER_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -10,5 +9,3 @@
  * installed service could not start any more. SHEAR_E_SETTING with advice; SHEAR_OK for other
  * users, and for root in a directory of its own. */
 int owner_check(const char *state_dir, const char *installed, const char *user, shear_error *err);
-
-#endif

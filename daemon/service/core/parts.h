@@ -4,8 +4,7 @@
  *
  * Modules of core are members; those of the rooms above are pointers to incomplete types, whose
  * headers are included where they are used. */
-#ifndef SHEARD_SERVICE_PARTS_H
-#define SHEARD_SERVICE_PARTS_H
+#pragma once
 
 #include "engine/engine.h"
 #include "notify/notify.h"
@@ -66,5 +65,3 @@ struct service {
     struct pending_waits *waits;      /* rpc/pending_waits.h */
     struct probe *probe;              /* rpc/probe.h */
 };
-
-#endif

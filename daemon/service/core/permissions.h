@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/permissions.h: who may do what: the users and groups of [access], looked up. */
-#ifndef SHEARD_SERVICE_PERMISSIONS_H
-#define SHEARD_SERVICE_PERMISSIONS_H
+#pragma once
 
 #include "access/access.h"
 #include "sheard/config.h"
@@ -24,5 +23,3 @@ bool permissions_may_give_priority(const permissions *p, const access_peer *peer
  * return how many there are, at most `capacity`. `list` NULL: only count. The texts are
  * borrowed. */
 size_t permissions_unknown(const permissions *p, const char **list, size_t capacity);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/problem_notes.h: recent failures that are tried again: shown by status, doctor,
  * metrics and the live view while they last, and logged with a limited rate. */
-#ifndef SHEARD_SERVICE_PROBLEM_NOTES_H
-#define SHEARD_SERVICE_PROBLEM_NOTES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -34,5 +33,3 @@ const problem_note *problem_note_find(const problem_notes *all, const char *abou
                                       const char *code);
 /* Log the numbers of suppressed lines. Call once a second. */
 void problem_notes_tick(problem_notes *all);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/reload.h: read the configuration again while the service runs. */
-#ifndef SHEARD_SERVICE_RELOAD_H
-#define SHEARD_SERVICE_RELOAD_H
+#pragma once
 
 #include "sheard/messages.h"
 #include "sheard/rpc.h"
@@ -14,5 +13,3 @@ int reload_config(service *s, sheard_msg_reloaded *reply, sheard_rpc_error *erro
 void reload_reply_deinit(sheard_msg_reloaded *reply);
 /* Log a warning for each configured name that no user or group has. */
 void reload_warn_names(const service *s);
-
-#endif

@@ -2,8 +2,7 @@
 /* service/core/statistics.h: rates of the last minute, and the longest turn of the loop, for which
  * all clients wait. Turns are measured in processor time of the loop's thread, which does not
  * depend on the machine's other work or on a slow disk. */
-#ifndef SHEARD_SERVICE_STATISTICS_H
-#define SHEARD_SERVICE_STATISTICS_H
+#pragma once
 
 #include "sheard/messages.h"
 
@@ -26,5 +25,3 @@ void statistics_tick(statistics *st, int64_t stamps, int64_t jobs);
 /* Return the rates over the last minute, or since the start if that is shorter. */
 sheard_msg_rates statistics_rates(const statistics *st);
 int64_t statistics_longest_turn_ns(const statistics *st); /* of the last minute */
-
-#endif

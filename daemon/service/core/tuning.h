@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/tuning.h: the limits of server, spool, readers and memory, computed from the
  * configuration. */
-#ifndef SHEARD_SERVICE_TUNING_H
-#define SHEARD_SERVICE_TUNING_H
+#pragma once
 
 #include "reader/reader.h"
 #include "server/server.h"
@@ -14,5 +13,3 @@ spool_tuning tuning_spool(const sheard_config *c);
 reader_limits tuning_reader(const sheard_config *c); /* except the paths */
 /* Return the jobs' memory budget in bytes; log a warning if the machine has less. */
 int64_t tuning_memory(const sheard_config *c);
-
-#endif

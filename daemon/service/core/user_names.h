@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/core/user_names.h: names of users, cached for a minute: a look-up in the user database
  * may be slow, and lists have thousands of jobs. */
-#ifndef SHEARD_SERVICE_USER_NAMES_H
-#define SHEARD_SERVICE_USER_NAMES_H
+#pragma once
 
 #include <stdint.h>
 #include <sys/types.h>
@@ -22,5 +21,3 @@ typedef struct user_names {
 /* Return the user's name, valid until the next call, or NULL if there is none. `now_ms` is of a
  * clock that is never set. */
 const char *user_names_get(user_names *all, uid_t uid, int64_t now_ms);
-
-#endif

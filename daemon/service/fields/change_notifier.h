@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/fields/change_notifier.h: publish changed fields once a second, however often they
  * change; the last change is always published. */
-#ifndef SHEARD_SERVICE_CHANGE_NOTIFIER_H
-#define SHEARD_SERVICE_CHANGE_NOTIFIER_H
+#pragma once
 
 #include "store/store.h"
 
@@ -28,5 +27,3 @@ void change_notifier_deinit(change_notifier *n);
 void change_notifier_note(service *s, const char *name, const char *digest);
 void change_notifier_tick(service *s);  /* once a second: publish the changes, a few at a time */
 void change_notifier_flush(service *s); /* publish all of them now */
-
-#endif

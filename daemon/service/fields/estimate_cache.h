@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/fields/estimate_cache.h: a cache of solved results, by field and settings, that forgets
  * the least recently requested ones first. An entry takes less than 1 KiB. */
-#ifndef SHEARD_SERVICE_ESTIMATE_CACHE_H
-#define SHEARD_SERVICE_ESTIMATE_CACHE_H
+#pragma once
 
 #include "shear/sums.h"
 #include "store/store.h"
@@ -47,5 +46,3 @@ estimate *estimate_cache_request(estimate_cache *c, const store_field *f);
 /* Remove the oldest entries above the cache's capacity, up to the first that is not IDLE or was
  * requested after request number `needed`. */
 void estimate_cache_shrink(estimate_cache *c, int64_t needed);
-
-#endif

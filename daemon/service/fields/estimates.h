@@ -8,8 +8,7 @@
  * A field that changes faster than it is solved would never have a current result. So a request
  * that began when n solvings had begun (estimates_begun) accepts the result of any later one:
  * `since` is n, or INT64_MAX for a current result only. */
-#ifndef SHEARD_SERVICE_ESTIMATES_H
-#define SHEARD_SERVICE_ESTIMATES_H
+#pragma once
 
 #include "server/server.h"
 #include "service/fields/estimate_cache.h"
@@ -71,5 +70,3 @@ int estimates_get(service *s, const store_field *f, const shear_field_sums *sums
                   shear_result *out, int64_t *jobs, shear_error *err);
 /* Contributions were taken back: cached results with the same number of jobs may be outdated. */
 void estimates_note_retraction(service *s);
-
-#endif

@@ -2,8 +2,7 @@
 /* service/fields/field_purge.h: remove the contributions of forgotten fields, a few milliseconds'
  * worth per group, since there may be very many. Each contribution takes its job's catalog along.
  * The list of what is left is in the store, and so survives clients and restarts. */
-#ifndef SHEARD_SERVICE_FIELD_PURGE_H
-#define SHEARD_SERVICE_FIELD_PURGE_H
+#pragma once
 
 #include "store/store.h"
 
@@ -34,5 +33,3 @@ void field_purge_wait(service *s, purge_waiter *w);
 /* Remove some of what is left, which may be from before the start, in this group; the next groups
  * continue. After a failure the next call tries again; the loop's tick calls it once a second. */
 void field_purge_continue(service *s);
-
-#endif

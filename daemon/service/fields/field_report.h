@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/fields/field_report.h: the report of a field, made from what the store keeps of its
  * files: the same as `shearctl measure --json` prints for them. */
-#ifndef SHEARD_SERVICE_FIELD_REPORT_H
-#define SHEARD_SERVICE_FIELD_REPORT_H
+#pragma once
 
 #include "shear/settings.h"
 #include "shear/sums.h"
@@ -15,5 +14,3 @@ typedef struct service service;
 int field_report(const service *s, const store_field *f, const shear_settings *settings,
                  const shear_result *result, const store_contribution_page *counted, char **text,
                  shear_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  * included: the stamps of running jobs would have to be solved again for every request.
  *
  * `since`: see fields/estimates.h. */
-#ifndef SHEARD_SERVICE_FIELD_RESULT_H
-#define SHEARD_SERVICE_FIELD_RESULT_H
+#pragma once
 
 #include "shear/settings.h"
 #include "shear/sums.h"
@@ -31,5 +30,3 @@ int field_result_counted(service *s, const store_field *f, int64_t since, shear_
 /* Add rows for settings of the field that have no contribution yet, but running jobs. */
 int field_result_add_rows(const service *s, const char *name, store_field_page *page,
                           shear_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  * sum w N / sum w D needs two stamps and a positive sum of w D: one file of absurd pixels can make
  * it negative for all others. Contributions are examined a few at a time, since there may be very
  * many. */
-#ifndef SHEARD_SERVICE_NO_RESULT_H
-#define SHEARD_SERVICE_NO_RESULT_H
+#pragma once
 
 #include "shear/sums.h"
 #include "store/store.h"
@@ -29,5 +28,3 @@ void no_result_deinit(no_result *r);
 /* Return the reason without examining contributions, static text, or NULL: the field has a
  * result. */
 const char *no_result_brief(const store_field *f, const shear_result *result);
-
-#endif

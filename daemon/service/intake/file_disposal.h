@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/intake/file_disposal.h: move files of the watch folder to done/ or failed/, with a
  * report. */
-#ifndef SHEARD_SERVICE_FILE_DISPOSAL_H
-#define SHEARD_SERVICE_FILE_DISPOSAL_H
+#pragma once
 
 #include "sheard/rpc.h"
 #include "spool/spool.h"
@@ -17,5 +16,3 @@ void file_disposal_reject(service *s, const spool_file *file, const sheard_rpc_e
 /* Leave the file in active/, to be reported again. */
 void file_disposal_put_off(service *s, const char *active_name, const char *code,
                            const char *message);
-
-#endif

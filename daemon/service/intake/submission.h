@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/intake/submission.h: turn a client's request, or a file of the watch folder, into a job
  * in the store. */
-#ifndef SHEARD_SERVICE_SUBMISSION_H
-#define SHEARD_SERVICE_SUBMISSION_H
+#pragma once
 
 #include "access/access.h"
 #include "sheard/messages.h"
@@ -24,5 +23,3 @@ typedef struct submission {
  * is true if the idempotency key had been used before. */
 int submission_store(service *s, const submission *sub, int64_t *id, bool *known,
                      sheard_rpc_error *error);
-
-#endif

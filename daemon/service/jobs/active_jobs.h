@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/jobs/active_jobs.h: the jobs that this process works on. */
-#ifndef SHEARD_SERVICE_ACTIVE_JOBS_H
-#define SHEARD_SERVICE_ACTIVE_JOBS_H
+#pragma once
 
 #include "engine/engine.h"
 #include "store/store.h"
@@ -60,5 +59,3 @@ void active_jobs_remove(active_jobs *all, active_job *j);   /* and frees it */
 /* Return true if the job is under way and belongs to this field with these settings (`digest` NULL:
  * any). */
 bool active_job_is_of(const active_job *j, const char *field, const char *digest);
-
-#endif

@@ -7,8 +7,7 @@
  * identity. A directory without a mark is claimed if there are no catalogs in it, or if this
  * database knows some of them (version 0.1 wrote no mark). The mark's modification time is when the
  * directory was last cleaned up: files older than that are not examined again (jobs/catalogs.h). */
-#ifndef SHEARD_SERVICE_CATALOG_DIRECTORY_H
-#define SHEARD_SERVICE_CATALOG_DIRECTORY_H
+#pragma once
 
 #include "store/store.h"
 
@@ -35,5 +34,3 @@ bool catalog_directory_is_ours(const service *s, const char *path, bool unmarked
 bool catalog_directory_is_since_mark(const char *directory, const char *path);
 /* Set the mark's modification time to now, after a clean-up; remove incomplete marks. */
 void catalog_directory_renew_mark(const char *directory);
-
-#endif

@@ -6,8 +6,7 @@
  * if the outcome is another one (cancelled meanwhile), the catalog belongs to no job and is removed
  * when the job ends or at the next start. Files older than the directory's mark are not removed
  * in this way, and no start examines what an earlier one has (jobs/catalog_directory.h). */
-#ifndef SHEARD_SERVICE_CATALOGS_H
-#define SHEARD_SERVICE_CATALOGS_H
+#pragma once
 
 #include "store/store.h"
 
@@ -27,5 +26,3 @@ void catalogs_remove_retracted(service *s);
  * retired, its catalog is looked for in the present directory. Return true if there is no catalog
  * any more. */
 bool catalog_remove_leaving(const service *s, const store_removal *leaving);
-
-#endif

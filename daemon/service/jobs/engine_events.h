@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/jobs/engine_events.h: store what the engine reports: opened files, checkpoints, results,
  * failures. */
-#ifndef SHEARD_SERVICE_ENGINE_EVENTS_H
-#define SHEARD_SERVICE_ENGINE_EVENTS_H
+#pragma once
 
 typedef struct service service;
 
 /* Process all events of the engine's queue. */
 void engine_events_process(service *s);
-
-#endif

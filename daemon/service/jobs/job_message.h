@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/jobs/job_message.h: a job as a message of the protocol. */
-#ifndef SHEARD_SERVICE_JOB_MESSAGE_H
-#define SHEARD_SERVICE_JOB_MESSAGE_H
+#pragma once
 
 #include "sheard/messages.h"
 #include "store/store.h"
@@ -15,5 +14,3 @@ void job_message_deinit(sheard_msg_job *out);
 void job_message_publish(service *s, const store_job *job);
 /* Publish the progress of the running jobs to subscribers. Call once a second. */
 void job_message_publish_progress(service *s);
-
-#endif

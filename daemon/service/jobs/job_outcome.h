@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/jobs/job_outcome.h: how attempts of jobs end: why they fail, when they are tried again,
  * and the notifications that follow. */
-#ifndef SHEARD_SERVICE_JOB_OUTCOME_H
-#define SHEARD_SERVICE_JOB_OUTCOME_H
+#pragma once
 
 #include "shear/error.h"
 #include "store/store.h"
@@ -25,5 +24,3 @@ void job_outcome_fail(service *s, int64_t id, int64_t failures, failure_reason r
 void job_outcome_settle(service *s, int64_t id);
 /* Answer the clients that wait for a job that is final, on disk, and whose file has been moved. */
 void job_outcome_tell(service *s, const store_job *job);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/jobs/job_queue.h: start queued jobs in the engine. A job is marked running in one group,
  * and starts when that group is on disk. */
-#ifndef SHEARD_SERVICE_JOB_QUEUE_H
-#define SHEARD_SERVICE_JOB_QUEUE_H
+#pragma once
 
 typedef struct service service;
 
@@ -11,5 +10,3 @@ typedef struct service service;
 void job_queue_fill(service *s);
 /* Stop all running jobs and put them back into the queue; they resume at the next start. */
 void job_queue_stop_all(service *s);
-
-#endif

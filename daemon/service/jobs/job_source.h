@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/jobs/job_source.h: open the files that a job reads, with the rights of the user who
  * submitted it. */
-#ifndef SHEARD_SERVICE_JOB_SOURCE_H
-#define SHEARD_SERVICE_JOB_SOURCE_H
+#pragma once
 
 #include "access/access.h"
 #include "shear/field.h"
@@ -50,5 +49,3 @@ typedef struct job_source {
  * the watch folder with the service's own rights. Deinit *o in either case. */
 int job_source_open(const service *s, const store_job *job, job_source *o, shear_error *err);
 void job_source_deinit(job_source *o);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/jobs/job_texts.h: the texts that the store keeps for a measured job. */
-#ifndef SHEARD_SERVICE_JOB_TEXTS_H
-#define SHEARD_SERVICE_JOB_TEXTS_H
+#pragma once
 
 #include "service/jobs/active_jobs.h"
 
@@ -15,5 +14,3 @@ typedef struct job_texts {
 /* Make the texts from the job's event DONE. */
 void job_texts_init(job_texts *texts, const active_job *j, const engine_event *e);
 void job_texts_deinit(job_texts *texts);
-
-#endif

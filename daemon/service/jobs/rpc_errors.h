@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/jobs/rpc_errors.h: convert errors of the store and of opening files into errors of the
  * protocol. */
-#ifndef SHEARD_SERVICE_RPC_ERRORS_H
-#define SHEARD_SERVICE_RPC_ERRORS_H
+#pragma once
 
 #include "shear/error.h"
 #include "sheard/rpc.h"
@@ -13,5 +12,3 @@ int rpc_error_from_store(sheard_rpc_error *error, int code, const shear_error *e
 int rpc_error_from_access(sheard_rpc_error *error, int code, const shear_error *err);
 /* Fill *error with the protocol's code `rpc` and the message and advice of *err. */
 int rpc_error_as(sheard_rpc_error *error, int rpc, const shear_error *err);
-
-#endif

@@ -2,8 +2,7 @@
 /* service/jobs/spooled_file.h: the file of a job that came through the watch folder. All this
  * follows from the job's record in the store, whether or not the spool has reported the file since
  * the start. */
-#ifndef SHEARD_SERVICE_SPOOLED_FILE_H
-#define SHEARD_SERVICE_SPOOLED_FILE_H
+#pragma once
 
 #include "spool/spool.h"
 #include "store/store.h"
@@ -23,5 +22,3 @@ char *spooled_file_where(const spool *sp, const char *directory, const store_job
 int spooled_file_restore(spool *sp, const store_job *job, shear_error *err);
 /* Fail with SHEAR_E_IO because the watch folder is switched off. */
 int spooled_file_no_spool(const store_job *job, shear_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/disks.h: the directories that the service writes to: whether they exist and are
  * writable, and how much space is free. */
-#ifndef SHEARD_SERVICE_DISKS_H
-#define SHEARD_SERVICE_DISKS_H
+#pragma once
 
 #include "sheard/messages.h"
 
@@ -13,5 +12,3 @@ enum { DISKS = 4 };
 /* Fill `disks` and return their number. */
 size_t disks_get(const service *s, sheard_msg_disk disks[DISKS]);
 bool disk_is_full(const sheard_msg_disk *disk); /* or nearly so */
-
-#endif

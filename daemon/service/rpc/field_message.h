@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/field_message.h: a field as a message of the protocol. `since`: see
  * fields/estimates.h. */
-#ifndef SHEARD_SERVICE_FIELD_MESSAGE_H
-#define SHEARD_SERVICE_FIELD_MESSAGE_H
+#pragma once
 
 #include "service/fields/no_result.h"
 #include "sheard/messages.h"
@@ -21,5 +20,3 @@ void field_message_deinit(sheard_msg_field_row *out);
 void field_to_summary(service *s, const store_field *f, int64_t since, sheard_msg_summary *out);
 /* The change notifier's callback: publish the field to subscribers. */
 void field_message_publish(service *s, const store_field *f, bool mixed, int64_t since);
-
-#endif

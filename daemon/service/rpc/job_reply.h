@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/job_reply.h: reply to a request that changes a job with that job, once the change is
  * on disk. */
-#ifndef SHEARD_SERVICE_JOB_REPLY_H
-#define SHEARD_SERVICE_JOB_REPLY_H
+#pragma once
 
 #include "server/server.h"
 #include "service/core/group.h"
@@ -24,5 +23,3 @@ post_commit_run job_reply_run;
 /* Return true if the peer owns the job or is an administrator. Otherwise the error reply has been
  * sent. */
 bool job_reply_may_change(service *s, const server_request *r, int64_t id);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/listing.h: a reply that is a long list, made a few items at a time in steps of
  * deferred work (server.h), so that other clients do not wait for all of it. */
-#ifndef SHEARD_SERVICE_LISTING_H
-#define SHEARD_SERVICE_LISTING_H
+#pragma once
 
 #include "base/buffer.h"
 #include "server/server.h"
@@ -25,5 +24,3 @@ void listing_deinit(listing *l);
 bool listing_add(listing *l, const void *item);
 /* Send the reply: `rest`, with the items in its list. */
 void listing_reply(listing *l, const sheard_reply *rest);
-
-#endif

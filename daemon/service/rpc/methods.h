@@ -2,8 +2,7 @@
 /* service/rpc/methods.h: dispatch requests to the methods of the protocol. A method is a row of
  * SHEARD_METHODS (sheard/rpc.h: name, parameters, reply, administrators only or not) and a handler
  * method_NAME, which replies now or later. */
-#ifndef SHEARD_SERVICE_METHODS_H
-#define SHEARD_SERVICE_METHODS_H
+#pragma once
 
 #include "server/server.h"
 #include "sheard/rpc.h"
@@ -19,5 +18,3 @@ typedef void method_handler(service *s, const server_request *r);
 #define METHOD(NAME, name, params, reply, admin) method_handler method_##name;
 SHEARD_METHODS(METHOD)
 #undef METHOD
-
-#endif

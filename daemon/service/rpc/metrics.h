@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/metrics.h: write the status as Prometheus text. */
-#ifndef SHEARD_SERVICE_METRICS_H
-#define SHEARD_SERVICE_METRICS_H
+#pragma once
 
 #include "server/server.h"
 #include "service/rpc/status.h"
@@ -9,5 +8,3 @@
 #include <stdio.h>
 
 void metrics_write(FILE *out, const status *st, const server_statistics *net);
-
-#endif

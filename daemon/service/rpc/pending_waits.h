@@ -3,8 +3,7 @@
  * wait is deferred work of the server: it reads its jobs' states, sleeps until the last unfinished
  * one ends or its time is over, and then makes its reply, a few jobs at a time. The store is read
  * no more often than that, since many clients may wait for many jobs. */
-#ifndef SHEARD_SERVICE_PENDING_WAITS_H
-#define SHEARD_SERVICE_PENDING_WAITS_H
+#pragma once
 
 #include "server/server.h"
 
@@ -25,5 +24,3 @@ void pending_waits_init(pending_waits *all);
 void pending_waits_add_submitted(service *s, server_handle to, bool known, int64_t id);
 void pending_waits_job_ended(service *s, int64_t id);
 void pending_waits_tick(service *s); /* once a second: end the waits whose time is over */
-
-#endif

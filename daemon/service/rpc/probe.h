@@ -2,8 +2,7 @@
 /* service/rpc/probe.h: the method probe: can this service measure? A tiny field of known shear
  * passes through the engine (reader, sandbox, plan, workers) like any job, but not through the
  * store. Probes run one at a time; requests that come meanwhile get the same reply. */
-#ifndef SHEARD_SERVICE_PROBE_H
-#define SHEARD_SERVICE_PROBE_H
+#pragma once
 
 #include "engine/engine.h"
 #include "server/server.h"
@@ -24,5 +23,3 @@ typedef struct probe {
 
 /* Process an event of the engine about a job that is not in the store. */
 void probe_event(service *s, const engine_event *e);
-
-#endif

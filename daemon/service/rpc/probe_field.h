@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/probe_field.h: write a tiny field of known shear, drawn by formula, for the probe. */
-#ifndef SHEARD_SERVICE_PROBE_FIELD_H
-#define SHEARD_SERVICE_PROBE_FIELD_H
+#pragma once
 
 #include "shear/error.h"
 
@@ -16,5 +15,3 @@ enum { PROBE_STAMPS = 16 };
 /* Write the field into `directory`, open it for reading, and remove its name. *fd is -1 on error.
  * Errors of shear_field_create and the other writers; SHEAR_E_IO. Waits for the disk. */
 int probe_field_make(const char *directory, int *fd, shear_error *err);
-
-#endif

@@ -2,8 +2,7 @@
 /* service/rpc/problem_list.h: problems that an operator should know of: recent failures that will
  * be tried again, ignored files, disks, the log. Shown by status, doctor, metrics and the live
  * view. */
-#ifndef SHEARD_SERVICE_PROBLEM_LIST_H
-#define SHEARD_SERVICE_PROBLEM_LIST_H
+#pragma once
 
 #include "service/rpc/disks.h"
 #include "store/store.h"
@@ -24,5 +23,3 @@ typedef struct problem_list {
 
 /* Return the present problems, to be released by free(), or NULL if out of memory. */
 problem_list *problem_list_new(const service *s);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/refuse.h: send error replies. */
-#ifndef SHEARD_SERVICE_REFUSE_H
-#define SHEARD_SERVICE_REFUSE_H
+#pragma once
 
 #include "server/server.h"
 
@@ -12,5 +11,3 @@ void refuse_with(service *s, server_handle to, int code, const char *message);
 void refuse_store(service *s, server_handle to, int code, const shear_error *err);
 /* Reply that the service is draining or stopping. */
 void refuse_new_jobs(service *s, server_handle to);
-
-#endif

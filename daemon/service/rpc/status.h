@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/status.h: the state of the service, as the method status reports it. */
-#ifndef SHEARD_SERVICE_STATUS_H
-#define SHEARD_SERVICE_STATUS_H
+#pragma once
 
 #include "service/rpc/problem_list.h"
 #include "spool/spool.h"
@@ -24,5 +23,3 @@ int status_init(status *st, service *s, shear_error *err);
 void status_deinit(status *st);
 
 sheard_msg_limits status_limits(const service *s);
-
-#endif
