@@ -30,6 +30,12 @@ static void reserve(engine *e, job *j, int64_t bytes) {
     pthread_cond_broadcast(&e->progressed);
 }
 
+static void give_back(engine *e, job *j) {
+    plan_cache_release(e->plans, j->plan);
+    j->plan = NULL;
+    reserve(e, j, 0);
+}
+
 /* ---- public functions ---- */
 
 enum budget_answer budget_wait(job *j, int64_t bytes) {
@@ -37,8 +43,8 @@ enum budget_answer budget_wait(job *j, int64_t bytes) {
     enum budget_answer answer = BUDGET_RESERVED;
     pthread_mutex_lock(&e->lock);
     assert(j->phase == JOB_PREPARING && bytes >= 0);
+    assert(j->reserved == 0);
     const int stage = atomic_load(&j->stage);
-    reserve(e, j, 0);
     j->waiting_since = ++e->budget.tickets;
     while (answer == BUDGET_RESERVED && !(comes_first(e, j) && has_room(e, bytes))) {
         if (bytes > e->budget.total) {
@@ -52,19 +58,31 @@ enum budget_answer budget_wait(job *j, int64_t bytes) {
     }
     j->waiting_since = 0;
     atomic_store(&j->stage, stage);
-    reserve(e, j, answer == BUDGET_RESERVED ? bytes : 0);
+    if (answer == BUDGET_RESERVED)
+        reserve(e, j, bytes);
     pthread_mutex_unlock(&e->lock);
     return answer;
 }
 
-bool budget_change(job *j, int64_t bytes) {
+bool budget_settle(job *j, int64_t bytes) {
     engine *e = j->engine;
     pthread_mutex_lock(&e->lock);
+    plan_cache_count(e->plans, j->plan);
     const bool possible = bytes <= j->reserved || has_room(e, bytes - j->reserved);
-    if (possible)
+    if (possible) {
         reserve(e, j, bytes);
+    } else {
+        give_back(e, j);
+    }
     pthread_mutex_unlock(&e->lock);
     return possible;
+}
+
+void budget_return(job *j) {
+    engine *e = j->engine;
+    pthread_mutex_lock(&e->lock);
+    give_back(e, j);
+    pthread_mutex_unlock(&e->lock);
 }
 
 int64_t budget_total(const job *j) {

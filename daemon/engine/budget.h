@@ -20,10 +20,13 @@ enum budget_answer {
     BUDGET_STOP   /* the job is to stop */
 };
 
-/* Release the job's reservation, wait until `bytes` are free, and reserve them. */
+/* Wait until `bytes` are free, and reserve them. The job has no reservation yet. */
 enum budget_answer budget_wait(job *j, int64_t bytes);
-/* Change the job's reservation to `bytes`. Return false if they are not free now; a smaller
- * reservation always succeeds. */
-bool budget_change(job *j, int64_t bytes);
+/* Change the job's reservation, so far for its plan and the making of it, to `bytes` beside the
+ * plan, which is counted by the cache from now on. Return false if they are not free now, having
+ * given back all as budget_return does; a smaller reservation always succeeds. */
+bool budget_settle(job *j, int64_t bytes);
+/* Give back the job's plan, if it has one, and its reservation. */
+void budget_return(job *j);
 /* Return the budget of all jobs and plans, in bytes. */
 int64_t budget_total(const job *j);

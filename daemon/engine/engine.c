@@ -246,9 +246,9 @@ engine_load engine_get_load(engine *e) {
         load.memory_waiting += j->waiting_since > 0 && j->stage == ENGINE_WAITING_MEMORY;
         load.blocks_left += blocks_left(j);
     }
-    pthread_mutex_unlock(&e->lock);
     load.plans = plan_cache_get_statistics(e->plans);
     load.memory_used += load.plans.bytes;
+    pthread_mutex_unlock(&e->lock);
     return load;
 }
 

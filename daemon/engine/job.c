@@ -61,8 +61,7 @@ void job_free(job *j) {
     shear_field_sums_free(j->before);
     shear_symmetry_free(j->terms_before);
     pthread_mutex_destroy(&j->saving);
-    plan_cache_release(j->engine->plans, j->plan);
-    budget_change(j, 0);
+    budget_return(j);
     job_files_close(&j->files);
     free(j->catalog_path);
     free(j);

@@ -63,21 +63,18 @@ static int reserve(job *j, int64_t bytes, shear_error *err) {
 /* Reserve memory for planning and make the plan; only then is it known how much the job takes
  * beside it. If that is not free now, release the plan, and wait for both together. */
 static int plan_within_budget(job *j, const shear_plan_request *request, shear_error *err) {
-    plan_cache *plans = j->engine->plans;
     shear_memory memory;
     TRY(shear_plan_memory(&memory, request, err));
     const int64_t planning = memory.plan + memory.planning;
     for (int64_t bytes = planning;;) {
         TRY(reserve(j, bytes, err));
-        TRY(plan_cache_acquire(plans, request, &j->plan, err));
+        TRY(plan_cache_acquire(j->engine->plans, request, &j->plan, err));
         j->team_size = team_for(j);
         if (j->team_size == 0)
             return refuse(j, memory.plan + beside_plan(j, 1), err);
         const int64_t rest = beside_plan(j, j->team_size);
-        if (budget_change(j, rest))
+        if (budget_settle(j, rest))
             return SHEAR_OK;
-        plan_cache_release(plans, j->plan);
-        j->plan = NULL;
         bytes = memory.plan + rest > planning ? memory.plan + rest : planning;
     }
 }

@@ -23,6 +23,7 @@ typedef struct kept_plan {
     key key;
     shear_plan *plan;
     int64_t bytes;
+    bool counted; /* in the statistics; idle plans always are */
     int users;
 } kept_plan;
 
@@ -118,6 +119,23 @@ static void shrink(plan_cache *p, int64_t max_count, int64_t max_bytes) {
     }
 }
 
+static kept_plan *find_plan(plan_cache *p, const shear_plan *plan) {
+    kept_plan *kept = TAILQ_FIRST(&p->list);
+    while (kept->plan != plan)
+        kept = TAILQ_NEXT(kept, link);
+    assert(kept->users > 0);
+    return kept;
+}
+
+/* Add a plan to the statistics, unless it is already part of them. */
+static void count(plan_cache *p, kept_plan *kept) {
+    if (!kept->counted) {
+        kept->counted = true;
+        p->statistics.count++;
+        p->statistics.bytes += kept->bytes;
+    }
+}
+
 /* ---- public functions ---- */
 
 plan_cache *plan_cache_new(int64_t max_count, int64_t max_bytes) {
@@ -162,11 +180,8 @@ static int make(plan_cache *p, key *k, const shear_plan_request *request, const 
     if (kept == NULL) {
         kept = CLEANUP_TAKE(fresh);
         TAILQ_INSERT_HEAD(&p->list, kept, link);
-        p->statistics.count++;
-        p->statistics.bytes += kept->bytes;
     }
     use(p, kept);
-    shrink(p, p->max_count, p->max_bytes);
     *plan = kept->plan;
     pthread_mutex_unlock(&p->lock);
     return SHEAR_OK;
@@ -201,18 +216,20 @@ int64_t plan_cache_shrink_to(plan_cache *p, int64_t bytes) {
     return left;
 }
 
+void plan_cache_count(plan_cache *p, const shear_plan *plan) {
+    pthread_mutex_lock(&p->lock);
+    count(p, find_plan(p, plan));
+    shrink(p, p->max_count, p->max_bytes);
+    pthread_mutex_unlock(&p->lock);
+}
+
 void plan_cache_release(plan_cache *p, const shear_plan *plan) {
-    kept_plan *kept = NULL;
     if (plan == NULL)
         return;
     pthread_mutex_lock(&p->lock);
-    TAILQ_FOREACH(kept, &p->list, link) {
-        if (kept->plan == plan) {
-            assert(kept->users > 0);
-            kept->users--;
-            break;
-        }
-    }
+    kept_plan *kept = find_plan(p, plan);
+    count(p, kept);
+    kept->users--;
     shrink(p, p->max_count, p->max_bytes);
     pthread_mutex_unlock(&p->lock);
 }

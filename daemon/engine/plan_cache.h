@@ -31,14 +31,18 @@ void plan_cache_limit(plan_cache *p, int64_t max_count, int64_t max_bytes);
 int64_t plan_cache_shrink_to(plan_cache *p, int64_t bytes);
 
 /* Return a plan for the request in *plan, kept or new. On an error (those of shear_plan_new) *plan
- * is NULL. The caller releases it with plan_cache_release, which accepts NULL. */
+ * is NULL. The caller releases it with plan_cache_release, which accepts NULL. A new plan takes
+ * part in the limits and statistics once it is counted or released: until then, its bytes are part
+ * of its maker's reservation (engine/budget.h). */
 int plan_cache_acquire(plan_cache *p, const shear_plan_request *request, const shear_plan **plan,
                        shear_error *err);
+/* Count a plan that was acquired, unless it is already counted. */
+void plan_cache_count(plan_cache *p, const shear_plan *plan);
 /* Give back a plan that was acquired. It stays in the cache within its limits. NULL is accepted. */
 void plan_cache_release(plan_cache *p, const shear_plan *plan);
 
 typedef struct plan_cache_statistics {
-    int64_t count, bytes; /* now, with plans in use; shear_plan_bytes and keys */
+    int64_t count, bytes; /* now, with counted plans in use; shear_plan_bytes and keys */
     int64_t hits, misses; /* since the start */
 } plan_cache_statistics;
 plan_cache_statistics plan_cache_get_statistics(plan_cache *p);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Kept plans: equal bases share one, anything that differs does not, the bounds hold, and what is
- * in use is never given up. */
+/* Kept plans: equal bases share one, anything that differs does not, the bounds hold, what is in
+ * use is never given up, and no plan is part of the load twice. */
+#include "engine/budget.h"
+#include "engine/internal.h"
 #include "engine/plan_cache.h"
 #include "gaussian.h"
 #include "test.h"
@@ -67,6 +69,7 @@ static const shear_plan *take(plan_cache *p, fake_field *f) {
     shear_error err = {0};
     if (try_to_take(p, f, &plan, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
+    plan_cache_count(p, plan);
     return plan;
 }
 
@@ -246,6 +249,65 @@ static void test_shrunk(void **state) {
     plan_cache_free(p);
 }
 
+/* Its bytes are its maker's until it is counted, which happens once, at the latest on release. */
+static void test_counted_when_told(void **state) {
+    (void)state;
+    plan_cache *p = plan_cache_new(MANY, much);
+    fake_field a = a_field(1.3);
+    const shear_plan *plan = NULL;
+    assert_int_equal(try_to_take(p, &a, &plan, NULL), SHEAR_OK);
+    expect(p, 0, 0, 1);
+    assert_ptr_equal(take(p, &a), plan);
+    const int64_t bytes = plan_cache_get_statistics(p).bytes;
+    plan_cache_count(p, plan);
+    plan_cache_release(p, plan);
+    plan_cache_release(p, plan);
+    expect(p, 1, 1, 1);
+    assert_int_equal(plan_cache_get_statistics(p).bytes, bytes);
+    a.moved = 1e-15;
+    assert_int_equal(try_to_take(p, &a, &plan, NULL), SHEAR_OK);
+    expect(p, 1, 1, 2);
+    plan_cache_release(p, plan);
+    expect(p, 2, 1, 2);
+    plan_cache_free(p);
+}
+
+static void ignore(void *context) {
+    (void)context;
+}
+
+/* At every step of a job, what is said to be used is what it has reserved and the other plans. */
+static void test_a_plan_is_used_once(void **state) {
+    (void)state;
+    enum { PLANNING = 1 << 28, BESIDE = 1000 };
+    const engine_options options = {.workers = 1,
+                                    .limits = {.program = "none", .scratch = "none"},
+                                    .plans_count = MANY,
+                                    .plans_bytes = much,
+                                    .memory_bytes = PLANNING,
+                                    .wake = ignore};
+    engine *e = NULL;
+    assert_int_equal(engine_new(&e, &options, NULL), SHEAR_OK);
+    fake_field field = a_field(1.3);
+    job j = {.engine = e, .phase = JOB_PREPARING};
+    assert_int_equal(budget_wait(&j, PLANNING), BUDGET_RESERVED);
+    assert_int_equal(try_to_take(e->plans, &field, &j.plan, NULL), SHEAR_OK);
+    assert_int_equal(engine_get_load(e).memory_used, PLANNING);
+    assert_true(budget_settle(&j, BESIDE));
+    const int64_t plan = engine_get_load(e).plans.bytes;
+    assert_true(plan >= shear_plan_bytes(j.plan));
+    assert_int_equal(engine_get_load(e).memory_used, plan + BESIDE);
+    assert_false(budget_settle(&j, PLANNING)); /* there is no room for it beside the plan */
+    assert_null(j.plan);
+    assert_int_equal(engine_get_load(e).memory_used, plan);
+    assert_int_equal(budget_wait(&j, PLANNING), BUDGET_RESERVED); /* the idle plan is freed */
+    assert_int_equal(engine_get_load(e).plans.count, 0);
+    assert_int_equal(try_to_take(e->plans, &field, &j.plan, NULL), SHEAR_OK);
+    budget_return(&j);
+    assert_int_equal(engine_get_load(e).memory_used, plan);
+    engine_free(e);
+}
+
 static void test_errors_are_not_kept(void **state) {
     (void)state;
     plan_cache *p = plan_cache_new(4, much);
@@ -305,6 +367,8 @@ int main(void) {
         cmocka_unit_test(test_bytes_and_none),
         cmocka_unit_test(test_shrunk),
         cmocka_unit_test(test_in_use_stays),
+        cmocka_unit_test(test_counted_when_told),
+        cmocka_unit_test(test_a_plan_is_used_once),
         cmocka_unit_test(test_errors_are_not_kept),
         cmocka_unit_test(test_many_threads),
     };
