@@ -6,7 +6,7 @@ target_include_directories(rpc_fixture PUBLIC ${CMAKE_CURRENT_LIST_DIR} ${PROJEC
 target_link_libraries(rpc_fixture PUBLIC shear_flags shear_protocol shear_static PkgConfig::JANSSON PkgConfig::CMOCKA)
 target_link_options(rpc_fixture PUBLIC -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)
 
-foreach(name frame rpc messages rpc_hostile)
+foreach(name frame rpc rpc_requests rpc_client rpc_hostile messages message_settings message_time job_file)
   shear_add_test(${name} SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${name}.c LIBRARIES rpc_fixture LABELS protocol)
 endforeach()
 
