@@ -17,12 +17,6 @@ query query_on(store *s, enum sql which) {
     return q;
 }
 
-query query_once(store *s, const char *sql, const char *doing) {
-    query q = {.s = s, .doing = doing, .is_own = true};
-    q.rc = sqlite3_prepare_v2(s->db, sql, -1, &q.stmt, NULL);
-    return q;
-}
-
 void query_int(query *q, int64_t value) {
     if (q->rc == SQLITE_OK)
         q->rc = sqlite3_bind_int64(q->stmt, ++q->bound, value);
@@ -107,10 +101,7 @@ int query_got(const query *q, shear_error *err) {
 }
 
 void query_end(query *q) {
-    if (q->is_own) {
-        sqlite3_finalize(q->stmt);
-        q->stmt = NULL;
-    } else if (q->stmt != NULL) {
+    if (q->stmt != NULL) {
         sqlite3_reset(q->stmt);
         /* The bound texts are the caller's and may be freed now. */
         sqlite3_clear_bindings(q->stmt);

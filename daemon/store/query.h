@@ -16,7 +16,6 @@ typedef struct query {
     store *s;
     sqlite3_stmt *stmt;
     const char *doing; /* for messages */
-    bool is_own;       /* not cached: query_end finalizes it */
     int bound;         /* number of parameters so far */
     int column;        /* the next one to read in this row */
     int rc;            /* the first error of binding */
@@ -24,8 +23,6 @@ typedef struct query {
 } query;
 
 query query_on(store *s, enum sql which);
-/* Begin a query with a statement that is not in sql.h, for one use. */
-query query_once(store *s, const char *sql, const char *doing);
 void query_int(query *q, int64_t value);
 void query_real(query *q, double value, bool null);
 void query_text(query *q, const char *text); /* text must live until query_end; NULL: null */

@@ -70,14 +70,6 @@ const char *store_identity(const store *s);
 void store_close(store *s);
 const store_opening *store_opened(const store *s); /* lives as long as s */
 
-/* Check that every page is well formed (SQLite's quick_check). The time grows with the database.
- * SHEAR_E_FORMAT if one is not. */
-int store_check(store *s, shear_error *err);
-/* Check that all agrees: the counts with the jobs, each counted job with one contribution, each
- * field's sums with the exact join of its contributions. For tests; the time grows with the
- * database. SHEAR_E_FORMAT if something does not. */
-int store_audit(store *s, shear_error *err);
-
 /* ---- Groups: many operations, one fsync ---- */
 
 /* Open a group. An operation that fails inside it leaves the group as it was before that operation,

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The tests of daemon/store. They include its private headers, and SQLite.
-add_library(store_fixtures STATIC store_fixture.c store_vfs.c store_model.c)
+add_library(store_fixtures STATIC store_fixture.c store_audit.c store_vfs.c store_model.c)
 target_link_libraries(store_fixtures PUBLIC
   sheard_store shear_flags PkgConfig::CMOCKA PkgConfig::SQLITE)
 target_include_directories(store_fixtures PUBLIC

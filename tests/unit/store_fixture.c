@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store_fixture.h"
 
+#include "store_audit.h"
 #include "store_test.h"
 #include "store_vfs.h"
 

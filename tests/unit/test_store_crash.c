@@ -2,6 +2,7 @@
 /* A service is killed at random moments, again and again, over one database. Whatever it had told
  * to anybody is there afterwards; every done job is counted once; every field is the exact join of
  * what was counted. */
+#include "store_audit.h"
 #include "store_test.h"
 
 #include <signal.h>

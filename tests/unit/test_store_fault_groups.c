@@ -2,6 +2,7 @@
 /* The disk fails within a group whose caller goes on: all of the group is durable, or nothing. */
 #include "store/database.h"
 #include "store_actions.h"
+#include "store_audit.h"
 #include "store_faults.h"
 #include "store_test.h"
 

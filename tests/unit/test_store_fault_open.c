@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The disk fails while the store is opened; a full disk can be read. */
 #include "store_actions.h"
+#include "store_audit.h"
 #include "store_faults.h"
 #include "store_test.h"
 

@@ -3,6 +3,7 @@
  * cut. After it the database says what it said before the operation, or what it says after it,
  * never something between; an operation that was acknowledged has happened. */
 #include "store_actions.h"
+#include "store_audit.h"
 #include "store_faults.h"
 #include "store_test.h"
 

@@ -2,6 +2,7 @@
 /* Groups: many operations, one commit, all or nothing. Failures of the disk in them:
  * test_store_faults.c. */
 #include "store/database.h"
+#include "store_audit.h"
 #include "store_test.h"
 
 #include "store_vfs.h"

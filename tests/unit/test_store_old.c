@@ -5,6 +5,7 @@
 #include "store/database.h"
 #include "store/schema.h"
 #include "store/sums_text.h"
+#include "store_audit.h"
 #include "store_test.h"
 
 #include <math.h>

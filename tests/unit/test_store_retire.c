@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Retention: jobs go, what they contributed stays. */
 #include "store/database.h"
+#include "store_audit.h"
 #include "store_test.h"
 
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 /* What was counted is taken back: the database's fields are then, byte for byte, those of a
  * database that never had it. */
 #include "store/database.h"
+#include "store_audit.h"
 #include "store_test.h"
 
 #include <stdio.h>

@@ -2,6 +2,7 @@
 /* Terms of stamps beside checkpoints and contributions: pieces follow each other without a gap, go
  * with their checkpoint, and what was counted is all there. */
 #include "store/database.h"
+#include "store_audit.h"
 #include "store_test.h"
 
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store_check and store_audit: is the database sound, and consistent? Both read all of it. */
-#include "store/query.h"
+#include "store_audit.h"
 
 #include "base/cleanup.h"
+#include "store/query.h"
 #include "store/sums_text.h"
 
 #include <math.h>
@@ -10,9 +10,20 @@
 
 static const char damaged[] = "stop the service and restore the database from a copy";
 
+/* A query with a statement that is not in sql.h, for one use. */
+static query query_once(store *s, const char *sql, const char *doing) {
+    query q = {.s = s, .doing = doing};
+    q.rc = sqlite3_prepare_v2(s->db, sql, -1, &q.stmt, NULL);
+    return q;
+}
+
+static void query_finalize(query *q) {
+    sqlite3_finalize(q->stmt);
+}
+
 int store_check(store *s, shear_error *err) {
     bool row = false;
-    CLEANUP(query_end)
+    CLEANUP(query_finalize)
     query q = query_once(s, "PRAGMA quick_check(1)", "checking the database's pages");
     const int code = query_step(&q, &row, err);
     if (!row)
@@ -74,7 +85,7 @@ static const char *const contradictions[][2] = {
 
 static int find_contradiction(store *s, const char *sql, const char *meaning, shear_error *err) {
     bool row = false;
-    CLEANUP(query_end) query q = query_once(s, sql, meaning);
+    CLEANUP(query_finalize) query q = query_once(s, sql, meaning);
     const int code = query_step(&q, &row, err);
     if (!row)
         return code;
@@ -108,7 +119,7 @@ static int join_contributions(store *s, int64_t field, char **text, shear_error 
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     bool row = false;
     TRY(shear_field_sums_new(&sums, err));
-    CLEANUP(query_end) query q = query_once(s, sql, sql);
+    CLEANUP(query_finalize) query q = query_once(s, sql, sql);
     query_int(&q, field);
     for (;;) {
         TRY(query_step(&q, &row, err));
@@ -142,7 +153,7 @@ static int audit_field(store *s, int64_t field, const char *name, const char *pa
 static int audit_fields(store *s, shear_error *err) {
     static const char sql[] = "SELECT id, name, sums FROM fields";
     bool row = false;
-    CLEANUP(query_end) query q = query_once(s, sql, sql);
+    CLEANUP(query_finalize) query q = query_once(s, sql, sql);
     for (;;) {
         int code = query_step(&q, &row, err);
         if (!row)
