@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Read the numbers that triggers keep (schema.c), and retire finished jobs. */
+/* Read the numbers that the schema's triggers keep, and retire finished jobs. */
 #include "store/operation.h"
 
 #include "base/cleanup.h"

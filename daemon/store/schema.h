@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/schema.h: the tables, and the migration from every older version of them. */
+/* store/schema.h: the tables, and the migration from every older version of them. What a version
+ * changes, and why, is in schema/version_1.sql and so on; the build makes schema_steps of them. */
 #pragma once
 
 #include "store/database.h"

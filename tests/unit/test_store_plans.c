@@ -61,7 +61,7 @@ static void no_statement_scans(void **state) {
         check_plan(f->s, sql_texts[i]);
 }
 
-/* What the triggers of schema.c run, and the children that foreign keys look for. */
+/* What the triggers of the schema run, and the children that foreign keys look for. */
 static void no_trigger_scans(void **state) {
     static const char *const bodies[] = {
         "UPDATE counts SET n = n + 1 WHERE state = 0",
