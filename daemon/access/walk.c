@@ -3,6 +3,7 @@
 
 #include "access/permission.h"
 #include "base/cleanup.h"
+#include "base/fingerprint.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -46,12 +47,8 @@ static int walk_along(char *way, const access_peer *peer, int *at) {
     struct stat st;
     char *rest = NULL;
     for (char *name = strtok_r(way, "/", &rest); name != NULL; name = strtok_r(NULL, "/", &rest)) {
-        int error = permission_check(*at, peer, PERMIT_SEARCH, &st);
-        if (error != 0)
-            return error;
-        error = step(at, name);
-        if (error != 0)
-            return error;
+        TRY(permission_check(*at, peer, PERMIT_SEARCH, &st));
+        TRY(step(at, name));
     }
     return 0;
 }
@@ -68,7 +65,7 @@ static int walk_once(int target, const access_peer *peer, char *way) {
         return error == ENOENT || error == ENOTDIR ? ESTALE : error;
     if (fstat(target, &wanted) != 0 || fstat(at, &end) != 0)
         return errno;
-    if (wanted.st_dev != end.st_dev || wanted.st_ino != end.st_ino)
+    if (!fingerprint_same_file(&wanted, &end))
         return ESTALE;
     return permission_check(target, peer, S_ISDIR(wanted.st_mode) ? PERMIT_SEARCH : PERMIT_READ,
                             &wanted);
@@ -77,15 +74,13 @@ static int walk_once(int target, const access_peer *peer, char *way) {
 /* Walk by the name that the target has now. *name receives it, if `name` is not NULL. */
 static int walk_by_name(int target, const access_peer *peer, char **name) {
     CLEANUP(release_free) char *way = NULL;
-    int error = walk_name(target, &way);
-    if (error != 0)
-        return error;
+    TRY(walk_name(target, &way));
     assert(way != NULL);
     CLEANUP(release_free) char *copy = strdup(way);
-    error = copy == NULL ? ENOMEM : walk_once(target, peer, copy);
-    if (error == 0 && name != NULL)
+    TRY(copy == NULL ? ENOMEM : walk_once(target, peer, copy));
+    if (name != NULL)
         *name = CLEANUP_TAKE(way);
-    return error;
+    return 0;
 }
 
 int walk_check(int target, const access_peer *peer, char **name) {

@@ -25,8 +25,9 @@ bool job_files_acquire(job_files *f, const shear_input *input, const int *fds) {
         f->input.parts[i].hdu = input->parts[i].hdu;
         ok = copy(&f->input.parts[i].path, input->parts[i].path) && ok;
         ok = copy(&f->input.parts[i].extname, input->parts[i].extname) && ok;
-        if (f->fds[i] >= 0) {
-            fstat(f->fds[i], &f->initial[i]); /* zeros if it fails: then the check fails, too */
+        struct stat st;
+        if (f->fds[i] >= 0 && fstat(f->fds[i], &st) == 0) {
+            f->initial[i] = fingerprint_of(&st); /* zeros otherwise: then the check fails, too */
         }
     }
     return ok;
@@ -46,8 +47,8 @@ void job_files_close(job_files *f) {
 }
 
 static bool is_same_file(const job_files *f, int a, int b) {
-    return f->fds[a] >= 0 && f->initial[a].st_dev == f->initial[b].st_dev &&
-           f->initial[a].st_ino == f->initial[b].st_ino;
+    return f->fds[a] >= 0 && f->initial[a].device == f->initial[b].device &&
+           f->initial[a].inode == f->initial[b].inode;
 }
 
 int64_t job_files_bytes(const job_files *f) {
@@ -56,31 +57,23 @@ int64_t job_files_bytes(const job_files *f) {
         bool counted = f->fds[i] < 0;
         for (int before = 0; before < i; before++)
             counted = counted || is_same_file(f, before, i);
-        bytes += counted ? 0 : f->initial[i].st_size;
+        bytes += counted ? 0 : f->initial[i].size;
     }
     return bytes;
 }
 
-static bool same_time(const struct timespec *a, const struct timespec *b) {
-    return a->tv_sec == b->tv_sec && a->tv_nsec == b->tv_nsec;
-}
-
-static bool same(const struct stat *a, const struct stat *b) {
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino && a->st_size == b->st_size &&
-           same_time(&a->st_mtim, &b->st_mtim) && same_time(&a->st_ctim, &b->st_ctim);
-}
-
 int job_files_check(const job_files *f, shear_error *err) {
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        struct stat now;
+        struct stat st;
         const char *name = f->input.path != NULL ? f->input.path : f->input.parts[i].path;
         if (f->fds[i] < 0)
             continue;
-        if (fstat(f->fds[i], &now) != 0) {
+        if (fstat(f->fds[i], &st) != 0) {
             return shear_fail(err, SHEAR_E_IO, NULL, "%.300s: cannot be examined: %s", name,
                               strerror(errno));
         }
-        if (!same(&f->initial[i], &now)) {
+        const file_fingerprint now = fingerprint_of(&st);
+        if (!fingerprint_same(&f->initial[i], &now)) {
             return shear_fail(err, ENGINE_E_CHANGED,
                               "leave a file alone from its submission until its job has ended",
                               "%.300s: changed while it was read", name);

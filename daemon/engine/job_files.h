@@ -2,16 +2,16 @@
 /* engine/job_files.h: the open files of a job, and the check that they have not changed. */
 #pragma once
 
+#include "base/fingerprint.h"
 #include "shear/error.h"
 #include "shear/input.h"
 
 #include <stdbool.h>
-#include <sys/stat.h>
 
 typedef struct job_files {
     shear_input input;      /* its strings are owned */
     int fds[SHEAR_N_PARTS]; /* as for shear_field_open_input; -1: none */
-    struct stat initial[SHEAR_N_PARTS];
+    file_fingerprint initial[SHEAR_N_PARTS];
 } job_files;
 
 /* Take over the descriptors (closed by job_files_close, also after an error), copy the names, and

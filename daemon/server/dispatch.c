@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/dispatch.h"
 
+#include "base/cleanup.h"
 #include "server/internal.h"
 
 /* No line is taken while output is unwritten, while deferred work is runnable, or while too many
@@ -36,13 +37,9 @@ static int dispatch_request(connection *c, sheard_request *request, const char *
                             sheard_rpc_error *error) {
     server *s = c->server;
     uint64_t number = 0;
-    int rc = sheard_request_parse(request, line, n, s->has_defaults ? &s->defaults : NULL, error);
-    if (rc != SHEARD_RPC_OK)
-        return rc;
+    TRY(sheard_request_parse(request, line, n, s->has_defaults ? &s->defaults : NULL, error));
     s->statistics.requests[request->method]++;
-    rc = admit(c, request, &number, error);
-    if (rc != SHEARD_RPC_OK)
-        return rc;
+    TRY(admit(c, request, &number, error));
     const server_request given = {.handle = {c->id, number}, .peer = &c->peer, .request = request};
     s->handlers.request(s->handlers.context, &given);
     return SHEARD_RPC_OK;

@@ -13,6 +13,7 @@
 #include "server/socket_file.h"
 
 #include "base/cleanup.h"
+#include "base/fingerprint.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -70,8 +71,8 @@ static int make_address(struct sockaddr_un *address, const char *path, shear_err
 static bool is_current(int fd, const char *path) {
     struct stat held;
     struct stat named;
-    return fstat(fd, &held) == 0 && lstat(path, &named) == 0 && held.st_ino == named.st_ino &&
-           held.st_dev == named.st_dev;
+    return fstat(fd, &held) == 0 && lstat(path, &named) == 0 &&
+           fingerprint_same_file(&held, &named);
 }
 
 static int acquire_lock(socket_file *file, shear_error *err) {

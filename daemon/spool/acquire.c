@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/acquire.h"
 
+#include "base/cleanup.h"
 #include "base/clock.h"
 #include "spool/examine.h"
 #include "spool/internal.h"
@@ -33,17 +34,20 @@ int64_t acquire_next_ms(const spool *s) {
     return next_ms;
 }
 
-/* The file's time is over: make it ready if it has not changed. */
-static void check_settled(spool *s, candidate *file) {
-    struct stat st;
-    if (!examine_is_regular(s, file, &st))
-        return;
-    const file_fingerprint present = fingerprint_of(&st);
-    if (fingerprint_same(&file->fingerprint, &present)) {
-        candidates_set_state(&s->candidates, file, CANDIDATE_READY);
-    } else {
-        examine_settle(s, file, &st, file->state);
+/* Look at a regular file again, and fill *st. Return false if it has changed: it is examined again
+ * if it is no regular file now, and otherwise has to settle in `state`. */
+static bool is_unchanged(spool *s, candidate *file,
+                         bool (*same)(const file_fingerprint *, const file_fingerprint *),
+                         enum candidate_state state, struct stat *st) {
+    if (folder_stat(&s->folders, INCOMING, file->name, st) != 0 || !S_ISREG(st->st_mode)) {
+        examine_file(s, file, WATCH_NONE);
+        return false;
     }
+    const file_fingerprint present = fingerprint_of(st);
+    const bool unchanged = same(&file->fingerprint, &present);
+    if (!unchanged)
+        examine_settle(s, file, st, state);
+    return unchanged;
 }
 
 bool acquire_settled(spool *s) {
@@ -53,7 +57,9 @@ bool acquire_settled(spool *s) {
         candidate *file = candidates_first(&s->candidates, state);
         for (; file != NULL && left > 0 && file->since_ms + patience_ms(s, state) <= now_ms;
              left--) {
-            check_settled(s, file);
+            struct stat st;
+            if (is_unchanged(s, file, fingerprint_same, state, &st))
+                candidates_set_state(&s->candidates, file, CANDIDATE_READY);
             file = candidates_first(&s->candidates, state);
         }
     }
@@ -88,20 +94,23 @@ static bool caught_the_wrong_one(spool *s, const candidate *file, const char *ac
 
 /* Move the file to active/ and list it. Return 0 or errno. */
 static int move_to_active(spool *s, const candidate *file, char active_name[NAME_SIZE]) {
-    int error = name_make_active(active_name, file->name, s->counter++);
-    if (error != 0)
-        return error;
+    TRY(name_make_active(active_name, file->name, s->counter++));
     if (!unacknowledged_add(&s->unacknowledged, active_name, false, false))
         return ENOMEM;
-    error = folder_move(&s->folders, INCOMING, file->name, ACTIVE, active_name);
+    const int error = folder_move(&s->folders, INCOMING, file->name, ACTIVE, active_name);
     if (error != 0)
         unacknowledged_remove(&s->unacknowledged, active_name);
     return error;
 }
 
-static void acquire(spool *s, candidate *file, const struct stat *st) {
+/* Acquire the file if it is still the one that was found ready; its mode and owner may have
+ * changed. */
+static void acquire(spool *s, candidate *file) {
     char active_name[NAME_SIZE];
-    file->fingerprint = fingerprint_of(st);
+    struct stat st;
+    if (!is_unchanged(s, file, fingerprint_same_content, CANDIDATE_SETTLING, &st))
+        return;
+    file->fingerprint = fingerprint_of(&st);
     const int error = move_to_active(s, file, active_name);
     if (error != 0) {
         put_off(s, file, error);
@@ -120,20 +129,6 @@ static void acquire(spool *s, candidate *file, const struct stat *st) {
     s->stats.active++;
 }
 
-/* Acquire the file if it is still the one that was found ready; its mode and owner may have
- * changed. */
-static void acquire_if_unchanged(spool *s, candidate *file) {
-    struct stat st;
-    if (!examine_is_regular(s, file, &st))
-        return;
-    const file_fingerprint present = fingerprint_of(&st);
-    if (fingerprint_same_content(&file->fingerprint, &present)) {
-        acquire(s, file, &st);
-    } else {
-        examine_settle(s, file, &st, CANDIDATE_SETTLING);
-    }
-}
-
 bool acquire_ready(spool *s) {
     if (s->away || unacknowledged_pending(&s->unacknowledged) ||
         candidates_first(&s->candidates, CANDIDATE_READY) == NULL) {
@@ -146,7 +141,7 @@ bool acquire_ready(spool *s) {
         candidate *file = candidates_first(&s->candidates, CANDIDATE_READY);
         if (file == NULL)
             return false;
-        acquire_if_unchanged(s, file);
+        acquire(s, file);
     }
     return more && !s->closed && candidates_first(&s->candidates, CANDIDATE_READY) != NULL;
 }

@@ -3,7 +3,7 @@
  * state. */
 #pragma once
 
-#include "spool/fingerprint.h"
+#include "base/fingerprint.h"
 
 #include <stdbool.h>
 #include <stddef.h>

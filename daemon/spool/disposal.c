@@ -6,6 +6,7 @@
  *     rename the report to done/NAME.json and fsync done/
  *     move the file and fsync both folders
  *     remove the undo log */
+#include "base/cleanup.h"
 #include "base/io.h"
 #include "spool/internal.h"
 #include "spool/place.h"
@@ -47,25 +48,15 @@ static int choose_target(const folders *f, disposal *e) {
     int64_t below = -1;
     int64_t free_one = 0;
     bool taken = true;
-    for (;;) {
-        const int error = is_taken(f, e, free_one, &taken);
-        if (error != 0)
-            return error;
-        if (!taken)
-            break;
-        below = free_one;
-        free_one = 2 * free_one + 1;
+    while (taken) {
+        TRY(is_taken(f, e, free_one, &taken));
+        below = taken ? free_one : below;
+        free_one = taken ? 2 * free_one + 1 : free_one;
     }
     while (free_one - below > 1) {
         const int64_t middle = below + (free_one - below) / 2;
-        const int error = is_taken(f, e, middle, &taken);
-        if (error != 0)
-            return error;
-        if (taken) {
-            below = middle;
-        } else {
-            free_one = middle;
-        }
+        TRY(is_taken(f, e, middle, &taken));
+        *(taken ? &below : &free_one) = middle;
     }
     name_number(e->target, e->name, free_one);
     name_report(e->report, e->target);
@@ -93,14 +84,10 @@ static int move_after_report(const folders *f, const disposal *e) {
 }
 
 static int write_and_move(const folders *f, const disposal *e, const char *text) {
-    int error = undo_log_write(f, e->active_name, e->folder, e->target);
-    if (error != 0)
-        return error;
-    error = write_report(f, e, text);
-    if (error != 0)
-        return error;
-    error = folder_move(f, ACTIVE, e->temporary, e->folder, e->report);
-    return error != 0 ? error : move_after_report(f, e);
+    TRY(undo_log_write(f, e->active_name, e->folder, e->target));
+    TRY(write_report(f, e, text));
+    TRY(folder_move(f, ACTIVE, e->temporary, e->folder, e->report));
+    return move_after_report(f, e);
 }
 
 /* Do everything up to the move of the file, or nothing. Return 0 or errno. */
@@ -113,37 +100,26 @@ static int move_with_report(const folders *f, const disposal *e, const char *tex
     return error;
 }
 
-/* Do the last fsync; an error is not undone. */
-static int settle(const folders *f, const disposal *e) {
-    const int error = folder_sync_move(f, e->folder);
-    if (error == 0)
-        undo_log_remove(f, e->active_name);
-    return error;
-}
-
 static int dispose(spool *s, disposal *e, const char *text, spool_place *place) {
     struct stat st;
     const folders *f = &s->folders;
     assert(e->folder == DONE || e->folder == FAILED);
-    int error = folder_stat(f, ACTIVE, e->active_name, &st);
+    const int error = folder_stat(f, ACTIVE, e->active_name, &st);
     if (error == ENOENT) {
         undo_log_remove(f, e->active_name);
         return folder_sync_move(f, e->folder);
     }
-    if (error != 0)
-        return error;
-    error = choose_target(f, e);
-    if (error != 0)
-        return error;
-    error = move_with_report(f, e, text);
-    if (error != 0)
-        return error;
+    TRY(error);
+    TRY(choose_target(f, e));
+    TRY(move_with_report(f, e, text));
     unacknowledged_remove(&s->unacknowledged, e->active_name);
     s->stats.active--;
     s->stats.done += e->folder == DONE;
     s->stats.failed += e->folder == FAILED;
     place_set(f, place, e->folder, e->target);
-    return settle(f, e);
+    TRY(folder_sync_move(f, e->folder)); /* if it fails, nothing is undone */
+    undo_log_remove(f, e->active_name);
+    return 0;
 }
 
 int spool_dispose(spool *s, const char *active_name, bool good, const char *report,

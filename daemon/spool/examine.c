@@ -92,10 +92,3 @@ void examine_file(spool *s, candidate *file, enum watch_event event) {
         examine_settle(s, file, &st, state_after(event, &st));
     }
 }
-
-bool examine_is_regular(spool *s, candidate *file, struct stat *st) {
-    if (folder_stat(&s->folders, INCOMING, file->name, st) == 0 && S_ISREG(st->st_mode))
-        return true;
-    examine_file(s, file, WATCH_NONE);
-    return false;
-}

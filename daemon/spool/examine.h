@@ -10,5 +10,3 @@
 void examine_file(spool *s, candidate *file, enum watch_event event);
 /* Set the file's fingerprint, from *st, and state; its time starts now. */
 void examine_settle(spool *s, candidate *file, const struct stat *st, enum candidate_state state);
-/* Fill *st and return true if the file is still a regular file. Otherwise examine it again. */
-bool examine_is_regular(spool *s, candidate *file, struct stat *st);

@@ -2,6 +2,7 @@
 #include "spool/folders.h"
 
 #include "base/cleanup.h"
+#include "base/fingerprint.h"
 #include "spool/spool.h"
 
 #include <assert.h>
@@ -149,16 +150,12 @@ void folders_close(folders *f) {
     f->path = NULL;
 }
 
-static bool same_file(const struct stat *a, const struct stat *b) {
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
-}
-
 static int check_root(const folders *f, shear_error *err) {
     struct stat held;
     struct stat named;
     if (fstat(f->root, &held) != 0 || stat(f->path, &named) != 0)
         return complain(err, f->path, "examine it", "");
-    if (!same_file(&held, &named)) {
+    if (!fingerprint_same_file(&held, &named)) {
         return shear_fail(err, SHEAR_E_IO, "restart the service to use the new one",
                           "%s: is another directory than at the start", f->path);
     }
@@ -170,7 +167,7 @@ static bool is_current(const folders *f, enum folder folder) {
     struct stat named;
     return fstat(f->fd[folder], &held) == 0 &&
            fstatat(f->root, layout[folder].name, &named, AT_SYMLINK_NOFOLLOW) == 0 &&
-           same_file(&held, &named);
+           fingerprint_same_file(&held, &named);
 }
 
 int folders_check(folders *f, bool *incoming_changed, shear_error *err) {
@@ -208,8 +205,8 @@ int folder_sync(const folders *f, enum folder folder) {
 }
 
 int folder_sync_move(const folders *f, enum folder folder) {
-    const int error = folder_sync(f, folder);
-    return error != 0 ? error : folder_sync(f, ACTIVE);
+    TRY(folder_sync(f, folder));
+    return folder_sync(f, ACTIVE);
 }
 
 int folder_stat(const folders *f, enum folder folder, const char *name, struct stat *st) {

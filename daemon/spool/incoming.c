@@ -29,7 +29,8 @@ static void lost_watch(spool *s) {
     s->scan.next_ms = clock_ms(CLOCK_MONOTONIC);
 }
 
-void incoming_event(spool *s, enum watch_event event, const char *name) {
+void incoming_event(void *context, enum watch_event event, const char *name) {
+    spool *s = context;
     if (event == WATCH_OVERFLOW) {
         report_line(s, SPOOL_NOTICE, "%s/incoming: too many events at once; searching it",
                     s->folders.path);

@@ -49,9 +49,7 @@ static int check_same(const spool *s, enum folder folder, const char *name,
 /* The file is in active/: bring that to disk and remove its report. Return 0 or errno. */
 static int remove_report(const folders *f, enum folder folder, const char *name) {
     char report[NAME_REPORT_SIZE];
-    const int error = folder_sync_move(f, folder);
-    if (error != 0)
-        return error;
+    TRY(folder_sync_move(f, folder));
     name_report(report, name);
     return unlinkat(f->fd[folder], report, 0) == 0 || errno == ENOENT ? 0 : errno;
 }

@@ -82,14 +82,10 @@ static void stop_watch(spool *s) {
     s->stats.watching = false;
 }
 
-static void handle_event(void *context, enum watch_event event, const char *name) {
-    incoming_event(context, event, name);
-}
-
 static void on_readable(uv_poll_t *poll, int status, int events) {
     spool *s = poll->data;
     (void)events;
-    const int error = status < 0 ? -status : watch_read(&s->watch, handle_event, s);
+    const int error = status < 0 ? -status : watch_read(&s->watch, incoming_event, s);
     if (error != 0) {
         report_line(s, SPOOL_ERROR,
                     "%s/incoming: events cannot be read, scans alone find files: %s",
@@ -149,15 +145,9 @@ static int list_active(spool *s, shear_error *err) {
 
 /* Watch incoming/. Return 0 or errno. */
 static int watch_incoming(spool *s) {
-    int error = watch_init(&s->watch);
-    if (error != 0)
-        return error;
-    error = watch_start(&s->watch, s->folders.fd[INCOMING], s->folders.root);
-    if (error != 0)
-        return error;
-    error = -uv_poll_init(s->loop, &s->poll, s->watch.fd);
-    if (error != 0)
-        return error;
+    TRY(watch_init(&s->watch));
+    TRY(watch_start(&s->watch, s->folders.fd[INCOMING], s->folders.root));
+    TRY(-uv_poll_init(s->loop, &s->poll, s->watch.fd));
     s->polling = true;
     s->poll.data = s;
     s->handles++;

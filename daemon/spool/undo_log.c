@@ -85,9 +85,7 @@ static int recover_all(const folders *f) {
         const struct dirent *entry = readdir(dir);
         if (entry == NULL)
             return errno;
-        const int error = recover_one(f, entry->d_name);
-        if (error != 0)
-            return error;
+        TRY(recover_one(f, entry->d_name));
     }
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/fingerprint.h: a file's fingerprint, by which a change of it is noticed. */
+/* base/fingerprint.h: a file's fingerprint, by which a change of it is noticed. */
 #pragma once
 
 #include <stdbool.h>
@@ -17,3 +17,6 @@ file_fingerprint fingerprint_of(const struct stat *st);
  * been renamed, or its owner or mode changed; fingerprint_same excludes these, too. */
 bool fingerprint_same_content(const file_fingerprint *a, const file_fingerprint *b);
 bool fingerprint_same(const file_fingerprint *a, const file_fingerprint *b);
+
+/* Return whether both are the same file, whatever its content. */
+bool fingerprint_same_file(const struct stat *a, const struct stat *b);

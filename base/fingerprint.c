@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "spool/fingerprint.h"
+#include "base/fingerprint.h"
 
 file_fingerprint fingerprint_of(const struct stat *st) {
     return (file_fingerprint){st->st_dev, st->st_ino, st->st_size, st->st_mtim, st->st_ctim};
@@ -16,4 +16,8 @@ bool fingerprint_same_content(const file_fingerprint *a, const file_fingerprint 
 
 bool fingerprint_same(const file_fingerprint *a, const file_fingerprint *b) {
     return fingerprint_same_content(a, b) && same_time(a->changed, b->changed);
+}
+
+bool fingerprint_same_file(const struct stat *a, const struct stat *b) {
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
