@@ -34,3 +34,17 @@ bool array_reserve(void *items, size_t *capacity, size_t needed, size_t item_siz
     const size_t larger = array_next_capacity(*capacity, needed, item_size);
     return needed <= *capacity || array_reserve_exact(items, capacity, larger, item_size);
 }
+
+size_t array_lower_bound(const void *items, size_t n, size_t item_size, const void *key,
+                         int (*compare)(const void *key, const void *item)) {
+    size_t low = 0;
+    while (low < n) {
+        const size_t middle = low + (n - low) / 2;
+        if (compare(key, (const char *)items + middle * item_size) > 0) {
+            low = middle + 1;
+        } else {
+            n = middle;
+        }
+    }
+    return low;
+}

@@ -117,7 +117,7 @@ static void go_on(connection *c, open_request *r) {
         }
         open_requests_pause(&c->open, r);
     } else { /* answered */
-        open_requests_remove(&c->open, r->number);
+        open_requests_remove(&c->open, r);
     }
     scheduler_end_work(s, c);
     scheduler_add(s, c);

@@ -3,6 +3,7 @@
 
 #include "base/array.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,19 +43,15 @@ uint64_t open_requests_add(open_requests *o, const sheard_request *request) {
     return r->number;
 }
 
+static int by_number(const void *number, const void *item) {
+    const uint64_t a = *(const uint64_t *)number;
+    const uint64_t b = (*(open_request *const *)item)->number;
+    return (a > b) - (a < b);
+}
+
 /* Return the index of the first request whose number is not below `number`. */
 static size_t search(const open_requests *o, uint64_t number) {
-    size_t low = 0;
-    size_t high = o->n;
-    while (low < high) {
-        const size_t middle = (low + high) / 2;
-        if (o->items[middle]->number < number) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
+    return array_lower_bound(o->items, o->n, sizeof(open_request *), &number, by_number);
 }
 
 open_request *open_requests_find(const open_requests *o, uint64_t number) {
@@ -62,11 +59,9 @@ open_request *open_requests_find(const open_requests *o, uint64_t number) {
     return i < o->n && o->items[i]->number == number ? o->items[i] : NULL;
 }
 
-void open_requests_remove(open_requests *o, uint64_t number) {
-    const size_t i = search(o, number);
-    if (i == o->n || o->items[i]->number != number)
-        return;
-    open_request *r = o->items[i];
+void open_requests_remove(open_requests *o, open_request *r) {
+    const size_t i = search(o, r->number);
+    assert(o->items[i] == r);
     open_requests_pause(o, r);
     o->n_long -= r->is_long;
     o->n--;

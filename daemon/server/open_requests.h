@@ -33,7 +33,7 @@ uint64_t open_requests_add(open_requests *o, const sheard_request *request);
 /* Return the request, or NULL if there is none of that number. */
 open_request *open_requests_find(const open_requests *o, uint64_t number);
 /* Remove a request, and drop its deferred work. */
-void open_requests_remove(open_requests *o, uint64_t number);
+void open_requests_remove(open_requests *o, open_request *r);
 
 /* Mark a request's deferred work as runnable, or as paused. */
 void open_requests_wake(open_requests *o, open_request *r);

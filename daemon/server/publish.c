@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Manage subscriptions, and send the notifications that they select. */
+#include "base/cleanup.h"
 #include "server/internal.h"
 
 /* Update the list of subscribers and *now after a change of the subscriptions of c. */
@@ -17,7 +18,8 @@ static void note_change(connection *c, sheard_msg_subscribed *now) {
     scheduler_add(s, c); /* without subscriptions the connection may be over */
     if (now != NULL) {
         *now = (sheard_msg_subscribed){.jobs = (int64_t)c->subscriptions.n_jobs,
-                                       .fields = (int64_t)c->subscriptions.n_fields,
+                                       .fields =
+                                           (int64_t)(c->subscriptions.n - c->subscriptions.n_jobs),
                                        .all = c->subscriptions.all};
     }
 }
@@ -31,9 +33,7 @@ int server_subscribe(server *s, uint64_t connection_id, const sheard_msg_subscri
     connection *c = connection_table_find(s, connection_id);
     if (c == NULL)
         return is_gone(error);
-    const int rc = subscriptions_add(&c->subscriptions, what, s->limits.subscriptions, error);
-    if (rc != SHEARD_RPC_OK)
-        return rc;
+    TRY(subscriptions_add(&c->subscriptions, what, s->limits.subscriptions, error));
     note_change(c, now);
     return SHEARD_RPC_OK;
 }

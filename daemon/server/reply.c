@@ -11,11 +11,6 @@ static open_request *find(const server *s, server_handle handle, connection **c)
     return r != NULL && !r->answered ? r : NULL;
 }
 
-bool server_is_open(const server *s, server_handle handle) {
-    connection *c;
-    return find(s, handle, &c) != NULL;
-}
-
 static void answered(connection *c, open_request *r) {
     server *s = c->server;
     if (r == s->in_step) {
@@ -24,26 +19,10 @@ static void answered(connection *c, open_request *r) {
     } else {
         if (r->awake)
             scheduler_end_work(s, c);
-        open_requests_remove(&c->open, r->number);
+        open_requests_remove(&c->open, r);
     }
     c->active_ms = uv_now(c->server->loop);
     scheduler_add(s, c); /* the next line may be allowed now */
-}
-
-void server_reply(server *s, server_handle to, const sheard_reply *reply) {
-    connection *c;
-    open_request *r = find(s, to, &c);
-    sheard_rpc_error error;
-    char *line;
-    size_t n;
-    if (r == NULL)
-        return;
-    if (sheard_reply_line(&line, &n, &r->id, r->method, reply, &error) == SHEARD_RPC_OK) {
-        connection_send(c, out_line_new(line, n));
-    } else {
-        connection_send_error(c, &r->id, &error);
-    }
-    answered(c, r);
 }
 
 void server_reply_error(server *s, server_handle to, const sheard_rpc_error *error) {
@@ -60,16 +39,29 @@ void server_reply_line(server *s, server_handle to, char *line, size_t n) {
     open_request *r = find(s, to, &c);
     if (r == NULL) {
         free(line);
-        return;
-    }
-    if (line != NULL) {
+    } else if (line != NULL) {
         connection_send(c, out_line_new(line, n));
+        answered(c, r);
     } else {
         sheard_rpc_error error;
         sheard_rpc_fail(&error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
-        connection_send_error(c, &r->id, &error);
+        server_reply_error(s, to, &error);
     }
-    answered(c, r);
+}
+
+void server_reply(server *s, server_handle to, const sheard_reply *reply) {
+    connection *c;
+    const open_request *r = find(s, to, &c);
+    sheard_rpc_error error;
+    char *line;
+    size_t n;
+    if (r == NULL)
+        return;
+    if (sheard_reply_line(&line, &n, &r->id, r->method, reply, &error) == SHEARD_RPC_OK) {
+        server_reply_line(s, to, line, n);
+    } else {
+        server_reply_error(s, to, &error);
+    }
 }
 
 /* ---- deferred work ---- */

@@ -30,36 +30,19 @@ void server_limits_init(server_limits *limits) {
                               .crowded_ms = 5000};
 }
 
-static size_t or_default(size_t given, size_t initial) {
-    return given != 0 ? given : initial;
-}
-
 static size_t at_most(size_t n, size_t most) {
     return n < most ? n : most;
 }
 
-/* Fill in defaults for what is 0, and apply the bounds that always hold. */
-static void fill_limits(server_limits *l, const server_limits *given) {
-    server_limits d;
-    server_limits_init(&d);
-    *l = (server_limits){
-        .line_bytes = or_default(given->line_bytes, d.line_bytes),
-        .connections = or_default(given->connections, d.connections),
-        .reserved_connections = or_default(given->reserved_connections, d.reserved_connections),
-        .in_flight = or_default(given->in_flight, d.in_flight),
-        .subscriptions = or_default(given->subscriptions, d.subscriptions),
-        .queue_bytes = or_default(given->queue_bytes, d.queue_bytes),
-        .unsent_bytes = or_default(given->unsent_bytes, d.unsent_bytes),
-        .slice_us = or_default(given->slice_us, d.slice_us),
-        .idle_timeout_ms = given->idle_timeout_ms,
-        .stall_timeout_ms = given->stall_timeout_ms,
-        .crowded_ms = given->crowded_ms,
-    };
-    l->line_bytes = at_most(l->line_bytes, d.line_bytes);
-    l->connections = at_most(l->connections, CONNECTION_SLOTS);
-    l->reserved_connections = at_most(l->reserved_connections, l->connections / 4);
-    l->user_connections = or_default(given->user_connections, l->connections / 4);
-    l->user_connections += l->user_connections == 0; /* a quarter of very few is still one */
+/* Return the limits with the bounds that always hold. */
+static server_limits within_bounds(server_limits l) {
+    l.line_bytes = at_most(l.line_bytes, sheard_rpc_request_limits.line);
+    l.connections = at_most(l.connections, CONNECTION_SLOTS);
+    l.reserved_connections = at_most(l.reserved_connections, l.connections / 4);
+    if (l.user_connections == 0)
+        l.user_connections = l.connections / 4;
+    l.user_connections += l.user_connections == 0; /* a quarter of very few is still one */
+    return l;
 }
 
 /* ---- timer ---- */
@@ -92,7 +75,7 @@ static void schedule(connection *c) {
 }
 
 void server_set_limits(server *s, const server_limits *limits) {
-    fill_limits(&s->limits, limits);
+    s->limits = within_bounds(*limits);
     if (!s->closing)
         start_tick(s);
     connection_table_each(s, schedule); /* the new limits may allow more lines */
@@ -192,7 +175,7 @@ static server *make(const server_options *options, uv_loop_t *loop) {
     s->handlers = options->handlers;
     s->file.lock = -1;
     TAILQ_INIT(&s->subscribers);
-    fill_limits(&s->limits, &options->limits);
+    s->limits = within_bounds(options->limits);
     server_set_defaults(s, options->defaults);
     if (!accept_init(s)) {
         lifetime_free(s);

@@ -79,11 +79,11 @@ typedef struct server_handlers {
     void *context;
 } server_handlers;
 
-/* Limits of the server. 0 means the default of server_limits_init, but "never" for times in ms. */
+/* Limits of the server, none of them 0 but those that say so. */
 typedef struct server_limits {
     size_t line_bytes;           /* at most sheard_rpc_request_limits.line */
     size_t connections;          /* of all users; one more is refused and closed */
-    size_t user_connections;     /* of a user that is not an administrator */
+    size_t user_connections;     /* of a user that is not an administrator; 0: a quarter */
     size_t reserved_connections; /* of `connections`, for administrators; at most a quarter */
     size_t in_flight; /* unanswered requests of a connection, short and long ones counted apart */
     size_t subscriptions;     /* jobs and fields that a connection may watch */
@@ -138,8 +138,6 @@ void server_reply_error(server *s, server_handle to, const sheard_rpc_error *err
 /* Send a line of sheard_reply_line or sheard_error_line that has the request's own id. `line` is
  * taken over in any case; NULL sends the error out_of_memory. */
 void server_reply_line(server *s, server_handle to, char *line, size_t n);
-/* Return whether the request is unanswered and its connection open. */
-bool server_is_open(const server *s, server_handle handle);
 
 /* ---- deferred work, for requests that take long ---- */
 

@@ -6,173 +6,145 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int compare_jobs(const void *a, const void *b) {
-    const int64_t x = *(const int64_t *)a;
-    const int64_t y = *(const int64_t *)b;
-    return (x > y) - (x < y);
+static int compare(const void *a, const void *b) {
+    const subscription *x = a;
+    const subscription *y = b;
+    if (x->field != NULL && y->field != NULL)
+        return strcmp(x->field, y->field);
+    if (x->field != NULL || y->field != NULL)
+        return x->field != NULL ? 1 : -1;
+    return (x->job > y->job) - (x->job < y->job);
 }
 
-static int compare_fields(const void *a, const void *b) {
-    return strcmp(*(char *const *)a, *(char *const *)b);
+/* Return the index of a subscription, or where it would be inserted. */
+static size_t find(const subscriptions *w, subscription one, bool *found) {
+    const size_t i = array_lower_bound(w->items, w->n, sizeof *w->items, &one, compare);
+    *found = i < w->n && compare(&one, &w->items[i]) == 0;
+    return i;
 }
 
-/* Return the index of the key in items[n] of `size` bytes each, or where it would be inserted. */
-static size_t find(const void *items, size_t n, size_t size, const void *key,
-                   int (*compare)(const void *, const void *), bool *found) {
-    size_t low = 0;
-    size_t high = n;
-    *found = false;
-    while (low < high) {
-        const size_t middle = (low + high) / 2;
-        const int order = compare((const char *)items + middle * size, key);
-        *found = *found || order == 0;
-        if (order < 0) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-static size_t find_job(const subscriptions *w, int64_t job, bool *found) {
-    return find(w->jobs, w->n_jobs, sizeof *w->jobs, &job, compare_jobs, found);
-}
-
-static size_t find_field(const subscriptions *w, const char *field, bool *found) {
-    return find(w->fields, w->n_fields, sizeof *w->fields, &field, compare_fields, found);
-}
-
-static void insert_job(subscriptions *w, int64_t job) {
+static bool has(const subscriptions *w, subscription one) {
     bool found;
-    const size_t i = find_job(w, job, &found);
-    if (!found) {
-        memmove(&w->jobs[i + 1], &w->jobs[i], (w->n_jobs - i) * sizeof *w->jobs);
-        w->jobs[i] = job;
-        w->n_jobs++;
-    }
+    find(w, one, &found);
+    return found;
 }
 
-/* Insert a field, and take over its name. */
-static void insert_field(subscriptions *w, char *field) {
+/* Insert a subscription, and take over its name. */
+static void insert(subscriptions *w, subscription one) {
     bool found;
-    const size_t i = find_field(w, field, &found);
+    const size_t i = find(w, one, &found);
     if (found) {
-        free(field);
+        free(one.field);
         return;
     }
-    memmove(&w->fields[i + 1], &w->fields[i], (w->n_fields - i) * sizeof *w->fields);
-    w->fields[i] = field;
-    w->n_fields++;
+    memmove(&w->items[i + 1], &w->items[i], (w->n - i) * sizeof *w->items);
+    w->items[i] = one;
+    w->n++;
+    w->n_jobs += one.field == NULL;
+}
+
+/* Return false if there was no such subscription. */
+static bool take_out(subscriptions *w, subscription one) {
+    bool found;
+    const size_t i = find(w, one, &found);
+    if (found) {
+        free(w->items[i].field);
+        w->n--;
+        w->n_jobs -= one.field == NULL;
+        memmove(&w->items[i], &w->items[i + 1], (w->n - i) * sizeof *w->items);
+    }
+    return found;
+}
+
+/* ---- what a request names ---- */
+
+static size_t count(const sheard_msg_subscribe *what) {
+    return what->n_jobs + what->n_fields;
+}
+
+/* Return the i-th, i < count. */
+static subscription at(const sheard_msg_subscribe *what, size_t i) {
+    return i < what->n_jobs ? (subscription){.job = what->jobs[i]}
+                            : (subscription){.field = (char *)what->fields[i - what->n_jobs]};
 }
 
 /* Return the number of new subscriptions; a name given twice counts twice. */
 static size_t count_new(const subscriptions *w, const sheard_msg_subscribe *what) {
     size_t n = 0;
-    bool found;
-    for (size_t i = 0; i < what->n_jobs; i++) {
-        find_job(w, what->jobs[i], &found);
-        n += !found;
-    }
-    for (size_t i = 0; i < what->n_fields; i++) {
-        find_field(w, what->fields[i], &found);
-        n += !found;
-    }
+    for (size_t i = 0; i < count(what); i++)
+        n += !has(w, at(what, i));
     return n;
 }
 
-static bool reserve(subscriptions *w, const sheard_msg_subscribe *what) {
-    return ARRAY_RESERVE(w->jobs, w->job_capacity, w->n_jobs + what->n_jobs) &&
-           ARRAY_RESERVE(w->fields, w->field_capacity, w->n_fields + what->n_fields);
+static void free_items(subscription *items, size_t n) {
+    for (size_t i = 0; i < n; i++)
+        free(items[i].field);
+    free(items);
 }
 
-static char **copy_names(const sheard_msg_subscribe *what) {
-    char **names = calloc(what->n_fields + 1, sizeof *names);
-    for (size_t i = 0; names != NULL && i < what->n_fields; i++) {
-        names[i] = strdup(what->fields[i]);
-        if (names[i] == NULL) {
-            while (i > 0)
-                free(names[--i]);
-            free(names);
+/* Return copies of all of them, or NULL if out of memory. */
+static subscription *copy(const sheard_msg_subscribe *what) {
+    subscription *items = calloc(count(what) + 1, sizeof *items);
+    for (size_t i = 0; items != NULL && i < count(what); i++) {
+        const subscription one = at(what, i);
+        items[i] = (subscription){one.job, one.field != NULL ? strdup(one.field) : NULL};
+        if (one.field != NULL && items[i].field == NULL) {
+            free_items(items, i);
             return NULL;
         }
     }
-    return names;
+    return items;
 }
+
+/* ---- public functions ---- */
 
 int subscriptions_add(subscriptions *w, const sheard_msg_subscribe *what, size_t limit,
                       sheard_rpc_error *error) {
-    if (w->n_jobs + w->n_fields + count_new(w, what) > limit) {
+    if (w->n + count_new(w, what) > limit) {
         return sheard_rpc_fail(error, SHEARD_RPC_TOO_MANY_SUBSCRIPTIONS, NULL,
                                "a connection may watch %zu jobs and fields", limit);
     }
-    char **names = reserve(w, what) ? copy_names(what) : NULL;
-    if (names == NULL) {
+    subscription *items =
+        ARRAY_RESERVE(w->items, w->capacity, w->n + count(what)) ? copy(what) : NULL;
+    if (items == NULL) {
         return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
                                "out of memory for a subscription");
     }
-    for (size_t i = 0; i < what->n_jobs; i++)
-        insert_job(w, what->jobs[i]);
-    for (size_t i = 0; i < what->n_fields; i++)
-        insert_field(w, names[i]);
-    free(names);
+    for (size_t i = 0; i < count(what); i++)
+        insert(w, items[i]);
+    free(items);
     w->all |= what->all;
     w->progress |= what->progress;
     return SHEARD_RPC_OK;
 }
 
 bool subscriptions_end_job(subscriptions *w, int64_t job) {
-    bool found;
-    const size_t i = find_job(w, job, &found);
-    if (found) {
-        w->n_jobs--;
-        memmove(&w->jobs[i], &w->jobs[i + 1], (w->n_jobs - i) * sizeof *w->jobs);
-    }
-    return found;
-}
-
-static void remove_field(subscriptions *w, const char *field) {
-    bool found;
-    const size_t i = find_field(w, field, &found);
-    if (found) {
-        free(w->fields[i]);
-        w->n_fields--;
-        memmove(&w->fields[i], &w->fields[i + 1], (w->n_fields - i) * sizeof *w->fields);
-    }
+    return take_out(w, (subscription){.job = job});
 }
 
 void subscriptions_remove(subscriptions *w, const sheard_msg_subscribe *what) {
-    for (size_t i = 0; i < what->n_jobs; i++)
-        subscriptions_end_job(w, what->jobs[i]);
-    for (size_t i = 0; i < what->n_fields; i++)
-        remove_field(w, what->fields[i]);
+    for (size_t i = 0; i < count(what); i++)
+        take_out(w, at(what, i));
     w->all = w->all && !what->all;
-    if (!subscriptions_any(w) || (what->n_jobs == 0 && what->n_fields == 0 && !what->all))
+    if (!subscriptions_any(w) || (count(what) == 0 && !what->all))
         subscriptions_deinit(w);
 }
 
 void subscriptions_deinit(subscriptions *w) {
-    for (size_t i = 0; i < w->n_fields; i++)
-        free(w->fields[i]);
-    free(w->fields);
-    free(w->jobs);
+    free_items(w->items, w->n);
     *w = (subscriptions){0};
 }
 
 bool subscriptions_any(const subscriptions *w) {
-    return w->all || w->n_jobs > 0 || w->n_fields > 0;
+    return w->all || w->n > 0;
 }
 
 bool subscriptions_match(const subscriptions *w, enum sheard_notice notice, int64_t job,
                          const char *field) {
-    bool found = false;
     if (notice == SHEARD_NOTICE_JOB_PROGRESS && !w->progress)
         return false;
     if (w->all || notice == SHEARD_NOTICE_SERVER_STATE)
         return subscriptions_any(w);
-    if (job != 0)
-        find_job(w, job, &found);
-    if (!found && field != NULL)
-        find_field(w, field, &found);
-    return found;
+    return (job != 0 && has(w, (subscription){.job = job})) ||
+           (field != NULL && has(w, (subscription){.field = (char *)field}));
 }

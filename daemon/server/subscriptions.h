@@ -4,10 +4,15 @@
 
 #include "sheard/rpc.h"
 
+/* One of them. */
+typedef struct subscription {
+    int64_t job;
+    char *field; /* NULL: a job */
+} subscription;
+
 typedef struct subscriptions {
-    int64_t *jobs; /* [n_jobs] ascending */
-    char **fields; /* [n_fields] ascending */
-    size_t n_jobs, n_fields, job_capacity, field_capacity;
+    subscription *items; /* [n] of [capacity], jobs by number, then fields by name */
+    size_t n, n_jobs, capacity;
     bool all, progress;
 } subscriptions;
 

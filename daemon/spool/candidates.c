@@ -25,19 +25,13 @@ void candidates_deinit(candidates *w) {
     candidates_init(w);
 }
 
+static int by_name(const void *name, const void *file) {
+    return strcmp(name, (*(candidate *const *)file)->name);
+}
+
 /* Return the index of the first name that is not less than `name`. */
 static size_t place_of(const candidates *w, const char *name) {
-    size_t low = 0;
-    size_t high = w->n;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (strcmp(w->files[middle]->name, name) < 0) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
+    return array_lower_bound(w->files, w->n, sizeof(candidate *), name, by_name);
 }
 
 candidate *candidates_find(const candidates *w, const char *name) {

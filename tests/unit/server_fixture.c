@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server_fixture.h"
 
+#include "server/internal.h"
 #include "test.h"
 
 #include <errno.h>
@@ -58,10 +59,10 @@ static void on_request(void *context, const server_request *request) {
     }
 }
 
-static void on_closed(void *context, uint64_t connection) {
+static void on_closed(void *context, uint64_t id) {
     fixture *f = context;
     if (f->n_closed < FX_REQUESTS)
-        f->closed[f->n_closed++] = connection;
+        f->closed[f->n_closed++] = id;
 }
 
 static bool is_admin(void *context, const access_peer *peer) {
@@ -129,6 +130,12 @@ int fx_teardown(void **state) {
 
 void fx_turn(fixture *f) {
     uv_run(&f->loop, UV_RUN_NOWAIT);
+}
+
+bool fx_is_open(const fixture *f, server_handle handle) {
+    const connection *c = connection_table_find(f->s, handle.connection);
+    const open_request *r = c != NULL ? open_requests_find(&c->open, handle.request) : NULL;
+    return r != NULL && !r->answered;
 }
 
 server_statistics fx_statistics(const fixture *f) {

@@ -49,6 +49,8 @@ void fx_turn(fixture *f);
     } while (0)
 
 server_statistics fx_statistics(const fixture *f);
+/* Whether the request is unanswered and its connection open. */
+bool fx_is_open(const fixture *f, server_handle handle);
 
 /* ---- clients ---- */
 

@@ -34,6 +34,29 @@ static void nothing_changes_where_nothing_is_needed(void **state) {
     assert_ptr_equal(items, before);
 }
 
+static int compare_ints(const void *key, const void *item) {
+    const int a = *(const int *)key;
+    const int b = *(const int *)item;
+    return (a > b) - (a < b);
+}
+
+static void the_first_that_is_not_before_the_key(void **state) {
+    (void)state;
+    enum { N = 9 };
+    const int items[N] = {1, 3, 3, 3, 5, 7, 9, 9, 11};
+    for (size_t n = 0; n <= N; n++) {
+        for (int key = 0; key <= 12; key++) {
+            size_t expected = 0;
+            while (expected < n && items[expected] < key)
+                expected++;
+            assert_int_equal(array_lower_bound(items, n, sizeof *items, &key, compare_ints),
+                             expected);
+        }
+    }
+    const int key = 1;
+    assert_int_equal(array_lower_bound(NULL, 0, sizeof *items, &key, compare_ints), 0);
+}
+
 static void scratch_is_no_larger_than_needed(void **state) {
     (void)state;
     CLEANUP(release_free) double *items = NULL;
@@ -116,6 +139,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(growing_keeps_the_items),
         cmocka_unit_test(nothing_changes_where_nothing_is_needed),
+        cmocka_unit_test(the_first_that_is_not_before_the_key),
         cmocka_unit_test(scratch_is_no_larger_than_needed),
         cmocka_unit_test(too_many_are_refused),
         cmocka_unit_test(a_buffer_collects),

@@ -80,9 +80,9 @@ static void test_replies_out_of_order(void **state) {
         cl_say(f, &c, request_text(100 + i, "metrics", NULL));
     FX_UNTIL(f, f->n == 5);
     for (size_t i = 0; i < 5; i++) {
-        assert_true(server_is_open(f->s, f->handles[order[i]]));
+        assert_true(fx_is_open(f, f->handles[order[i]]));
         reply_metrics(f, order[i]);
-        assert_false(server_is_open(f->s, f->handles[order[i]]));
+        assert_false(fx_is_open(f, f->handles[order[i]]));
         reply_metrics(f, order[i]); /* once more: nothing */
         assert_int_equal(cl_reply(f, &c), 100 + (int)order[i]);
     }
@@ -164,7 +164,7 @@ static void test_disconnect_in_flight(void **state) {
     }
     assert_int_equal(f->n_closed, 1);
     assert_int_equal(f->closed[0], f->handles[0].connection);
-    assert_false(server_is_open(f->s, f->handles[1]));
+    assert_false(fx_is_open(f, f->handles[1]));
     reply_metrics(f, 1); /* to nobody, also when its place is taken */
     cl_connect(f, &other);
     cl_say(f, &other, request_text(9, "metrics", NULL));

@@ -124,7 +124,7 @@ static enum server_step job_step(void *context) {
     if (j->steps < STEPS)
         return SERVER_MORE;
     reply_text(j->f, j->to, j->f->reply_bytes);
-    assert_false(server_is_open(j->f->s, j->to));
+    assert_false(fx_is_open(j->f, j->to));
     return SERVER_PAUSE;
 }
 

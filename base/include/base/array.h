@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* base/array.h: grow an array on the heap that has a length and a capacity. */
+/* base/array.h: grow an array on the heap that has a length and a capacity, and search a sorted
+ * one. */
 #pragma once
 
 #include <stdbool.h>
@@ -29,3 +30,8 @@ bool array_reserve_exact(void *items, size_t *capacity, size_t needed, size_t it
 /* Return the capacity that follows `capacity` and holds `needed` items, at least 64 bytes: for
  * arrays with limits of their own. */
 size_t array_next_capacity(size_t capacity, size_t needed, size_t item_size);
+
+/* Return the index of the first of items[n] that does not come before the key, or n if all do. The
+ * items are sorted by `compare`, which is called as by bsearch: with the key and an item. */
+size_t array_lower_bound(const void *items, size_t n, size_t item_size, const void *key,
+                         int (*compare)(const void *key, const void *item));
