@@ -47,7 +47,7 @@ int main(int argc, char **argv) {
     command_set_table(table);
     const enum exit_code code = run(argc, argv);
     if (fflush(stdout) != 0 || ferror(stdout) != 0) {
-        message_fail(NULL, "cannot write to standard output: %s", strerror(errno));
+        message_fail(EXIT_CODE_OTHER, NULL, "cannot write to standard output: %s", strerror(errno));
         return code == EXIT_CODE_DONE ? EXIT_CODE_OTHER : (int)code;
     }
     return (int)code;

@@ -28,7 +28,7 @@ const command *command_find(const char *name) {
     char hint[96] = "\"shearctl help\" lists the subcommands";
     if (meant.best != NULL)
         snprintf(hint, sizeof hint, "did you mean \"shearctl %s\"?", meant.best);
-    message_fail(hint, "unknown subcommand \"%s\"", name);
+    message_fail(EXIT_CODE_USAGE, hint, "unknown subcommand \"%s\"", name);
     return NULL;
 }
 

@@ -110,8 +110,7 @@ static enum exit_code print_one(const command *self, FILE *out) {
 }
 
 enum exit_code completion_data_print(FILE *out) {
-    enum exit_code code = EXIT_CODE_DONE;
-    for (const command *const *c = command_table(); code == EXIT_CODE_DONE && *c != NULL; c++)
-        code = print_one(*c, out);
-    return code;
+    for (const command *const *c = command_table(); *c != NULL; c++)
+        TRY(print_one(*c, out));
+    return EXIT_CODE_DONE;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cmdline/options.h"
 
+#include "base/cleanup.h"
 #include "base/spelling.h"
 #include "base/text.h"
 #include "terminal/human.h"
@@ -64,9 +65,9 @@ static enum exit_code fail_unknown(const command *self, const char *given,
     } else {
         snprintf(hint, sizeof hint, "\"shearctl help %s\" lists the options", self->name);
     }
-    message_fail(hint, "%s: %s option %.*s", self->name, ambiguous ? "ambiguous" : "unknown",
-                 (int)(length + (size_t)(text - given)), given);
-    return EXIT_CODE_USAGE;
+    return message_fail(EXIT_CODE_USAGE, hint, "%s: %s option %.*s", self->name,
+                        ambiguous ? "ambiguous" : "unknown", (int)(length + (size_t)(text - given)),
+                        given);
 }
 
 /* Return the name of the option that getopt_long rejected. */
@@ -88,8 +89,8 @@ static enum exit_code fail_option(const command *self, int value, char **argv,
         /* Not `given`: within a group of short options it is the argument before the group. */
         return fail_unknown(self, letter, table);
     }
-    message_fail(NULL, "%s: option --%s %s", self->name, name_of(optopt, table), fault);
-    return EXIT_CODE_USAGE;
+    return message_fail(EXIT_CODE_USAGE, NULL, "%s: option --%s %s", self->name,
+                        name_of(optopt, table), fault);
 }
 
 enum exit_code options_fail(const command *self, const char *format, ...) {
@@ -100,17 +101,16 @@ enum exit_code options_fail(const command *self, const char *format, ...) {
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     snprintf(hint, sizeof hint, "\"shearctl help %s\"", self->name);
-    message_fail(hint, "%s: %s", self->name, text);
-    return EXIT_CODE_USAGE;
+    return message_fail(EXIT_CODE_USAGE, hint, "%s: %s", self->name, text);
 }
 
 enum exit_code options_integer(const char *option, const char *text, int64_t min, int64_t max,
                                int64_t *out) {
     int64_t value = 0;
     if (!text_to_int64(text, &value) || value < min || value > max) {
-        message_fail(NULL, "--%s %s: expected an integer from %" PRId64 " to %" PRId64, option,
-                     text, min, max);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, NULL,
+                            "--%s %s: expected an integer from %" PRId64 " to %" PRId64, option,
+                            text, min, max);
     }
     *out = value;
     return EXIT_CODE_DONE;
@@ -118,8 +118,8 @@ enum exit_code options_integer(const char *option, const char *text, int64_t min
 
 static enum exit_code set_seconds(const option_entry *e, const char *value) {
     if (!human_parse_duration(value, e->seconds)) {
-        message_fail(NULL, "--%s %s: expected a time, as 90, 500ms, 5min, 2h", e->name, value);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, NULL,
+                            "--%s %s: expected a time, as 90, 500ms, 5min, 2h", e->name, value);
     }
     return EXIT_CODE_DONE;
 }
@@ -145,8 +145,7 @@ static enum exit_code set_setting(int value, option_settings *settings) {
     shear_error err = {0};
     if (settings_options_handle(value, optarg, &settings->values, settings->given, &err) !=
         SHEAR_OK) {
-        message_error(&err);
-        return EXIT_CODE_USAGE;
+        return message_error(&err);
     }
     return EXIT_CODE_DONE;
 }
@@ -169,34 +168,27 @@ enum exit_code options_parse(const command *self, int argc, char **argv,
         const int value = getopt_long(argc, argv, l.letters, l.table, NULL);
         if (value == -1)
             return EXIT_CODE_DONE;
-        const enum exit_code code = value == '?' || value == ':'
-                                        ? fail_option(self, value, argv, l.table)
-                                        : set(value, entries, settings);
-        if (code != EXIT_CODE_DONE)
-            return code;
+        TRY(value == '?' || value == ':' ? fail_option(self, value, argv, l.table)
+                                         : set(value, entries, settings));
     }
 }
 
 enum exit_code options_check_settings(const option_settings *settings) {
     shear_error err = {0};
-    if (shear_settings_check(&settings->values, &err) != SHEAR_OK) {
-        message_error(&err);
-        return EXIT_CODE_USAGE;
-    }
-    return EXIT_CODE_DONE;
+    return shear_settings_check(&settings->values, &err) != SHEAR_OK ? message_error(&err)
+                                                                     : EXIT_CODE_DONE;
 }
 
 enum exit_code options_count_operands(const command *self, int argc, char **argv, const char *what,
                                       int min, int max) {
     const int n = argc - optind;
     if (n < min) {
-        message_fail(NULL, "%s: which %s? \"shearctl help %s\" tells more", self->name, what,
-                     self->name);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, NULL, "%s: which %s? \"shearctl help %s\" tells more",
+                            self->name, what, self->name);
     }
     if (n > max) {
-        message_fail(NULL, "%s: unexpected \"%s\"", self->name, argv[optind + max]);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, NULL, "%s: unexpected \"%s\"", self->name,
+                            argv[optind + max]);
     }
     return EXIT_CODE_DONE;
 }

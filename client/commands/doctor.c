@@ -8,9 +8,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     CLEANUP(doctor_deinit) doctor d = {.config = NULL};
     const option_entry options[] = {
         {.name = "config", .text = &d.config}, SERVICE_OPTIONS(&d.service), {0}};
-    const enum exit_code code = service_parse(self, argc, argv, options, &d.service, "", 0, 0);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_parse(self, argc, argv, options, &d.service, "", 0, 0));
     doctor_run(&d);
     return d.worst == SHEARD_CHECK_FAIL ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }

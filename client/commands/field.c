@@ -32,6 +32,7 @@ static void print_jobs(const sheard_msg_field_row *row) {
 static enum exit_code print_contributions(const sheard_msg_field_row *row, bool utc) {
     static const text_column columns[] = {{"ENTRY", 'r'}, {"JOB", 'r'},     {"USED", 'r'},
                                           {"OF", 'r'},    {"COUNTED", 'l'}, {"CHECKSUM", 'l'}};
+    CLEANUP(text_table_release)
     text_table *t = text_table_new(columns, sizeof columns / sizeof *columns);
     for (size_t i = 0; i < row->n_contributions; i++) {
         const sheard_msg_contribution *c = &row->contributions[i];
@@ -43,14 +44,12 @@ static enum exit_code print_contributions(const sheard_msg_field_row *row, bool 
         text_table_cell(t, NULL, "%s", human_time(c->counted_ms, utc, time));
         text_table_cell(t, STYLE_DIM, "%s", c->checksum != NULL ? c->checksum : "-");
     }
-    const enum exit_code code =
-        text_table_render(t, stdout, 2, style_on(stdout), style_columns(1, 0));
-    text_table_free(t);
+    TRY(text_table_render(t, stdout, 2, style_on(stdout), style_columns(1, 0)));
     if (row->more && row->n_contributions > 0) {
         message_note("there are more: --after %" PRId64 " --digest %s goes on with them",
                      row->contributions[row->n_contributions - 1].id, row->digest);
     }
-    return code;
+    return EXIT_CODE_DONE;
 }
 
 static void print_row(const char *field, const sheard_msg_field_row *row, bool utc) {
@@ -106,15 +105,13 @@ static enum exit_code run(const command *self, int argc, char **argv) {
          .given = &jobs},
         SERVICE_OPTIONS(&s),
         {0}};
-    enum exit_code code = service_start(self, argc, argv, options, &s, "field", 1, 1);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_start(self, argc, argv, options, &s, "field", 1, 1));
     p.field.field = argv[optind];
     if (!jobs && s.json) {
         p.field.limit = 0; /* no contributions: only the text output needs them, for the ranges of
                               PSF radii and cores */
     }
-    code = service_answer(&s, SHEARD_METHOD_FIELD, &p, &reply);
+    enum exit_code code = service_answer(&s, SHEARD_METHOD_FIELD, &p, &reply);
     if (code == EXIT_CODE_DONE && !s.json)
         code = print(&reply.field, jobs, s.utc);
     sheard_reply_deinit(&reply, SHEARD_METHOD_FIELD);

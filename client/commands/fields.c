@@ -47,9 +47,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         {.name = "brief", .flag = &l.brief},
         SERVICE_OPTIONS(&l.service),
         {0}};
-    const enum exit_code code = service_start(self, argc, argv, options, &l.service, "", 0, 1);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_start(self, argc, argv, options, &l.service, "", 0, 1));
     l.table = field_table_new();
     p->prefix = optind < argc && argv[optind][0] != '\0' ? argv[optind] : NULL;
     return page_list_print(&l);

@@ -15,12 +15,10 @@ static enum exit_code explain(service *s, const sheard_msg_forget *what) {
     int64_t jobs = 0;
     sheard_params_init(&p, SHEARD_METHOD_FIELD);
     p.field = (sheard_msg_field){.field = what->field, .digest = what->digest};
-    const enum exit_code code = service_call(s, SHEARD_METHOD_FIELD, &p, &reply);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_call(s, SHEARD_METHOD_FIELD, &p, &reply));
     for (size_t i = 0; i < reply.field.n_rows; i++)
         jobs += reply.field.rows[i].jobs;
-    message_fail("--yes does it",
+    message_fail(EXIT_CODE_USAGE, "--yes does it",
                  "this would take back %" PRId64 " contributions to field %s, in %zu results", jobs,
                  message_clean(reply.field.field, name, sizeof name), reply.field.n_rows);
     sheard_reply_deinit(&reply, SHEARD_METHOD_FIELD);
@@ -50,9 +48,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
                                     {.name = "yes", .flag = &yes},
                                     SERVICE_OPTIONS(&s),
                                     {0}};
-    const enum exit_code code = service_start(self, argc, argv, options, &s, "field", 1, 1);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_start(self, argc, argv, options, &s, "field", 1, 1));
     p.forget.field = argv[optind];
     return yes ? forget(&s, &p) : explain(&s, &p.forget);
 }

@@ -35,9 +35,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     if (argc == 3 && strcmp(argv[1], "--man") == 0)
         return explain(argv[2], refer_to_settings);
     if (argc > 2) {
-        message_fail("\"shearctl help SUBCOMMAND\"", "%s: expected one name, got %d", self->name,
-                     argc - 1);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, "\"shearctl help SUBCOMMAND\"",
+                            "%s: expected one name, got %d", self->name, argc - 1);
     }
     return explain(argv[1], settings_options_help);
 }

@@ -25,9 +25,9 @@ static enum exit_code set_states(const option_entry *e, const char *value) {
             state++;
         }
         if (state == SHEARD_N_JOB_STATES) {
-            message_fail("queued, running, waiting, done, failed, cancelled, retracted",
-                         "--state %s: \"%.*s\" is no state of a job", value, (int)n, at);
-            return EXIT_CODE_USAGE;
+            return message_fail(EXIT_CODE_USAGE,
+                                "queued, running, waiting, done, failed, cancelled, retracted",
+                                "--state %s: \"%.*s\" is no state of a job", value, (int)n, at);
         }
         *states |= 1U << state;
         at += n;
@@ -45,8 +45,8 @@ static enum exit_code set_owner(const option_entry *e, const char *value) {
         return EXIT_CODE_DONE;
     }
     if (*value < '0' || *value > '9') {
-        message_fail("give a name, a number, or \"me\"", "--user %s: there is no such user", value);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, "give a name, a number, or \"me\"",
+                            "--user %s: there is no such user", value);
     }
     return options_integer(e->name, value, 0, UINT32_MAX, owner);
 }
@@ -86,9 +86,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         {.name = "brief", .flag = &l.brief},
         SERVICE_OPTIONS(&l.service),
         {0}};
-    const enum exit_code code = service_start(self, argc, argv, options, &l.service, "", 0, 0);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_start(self, argc, argv, options, &l.service, "", 0, 0));
     l.table = job_table_new();
     return page_list_print(&l);
 }

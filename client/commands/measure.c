@@ -15,17 +15,13 @@
 enum { MAX_THREADS = 1024, MAX_JACKKNIFE = 100000 };
 
 static enum exit_code check(const command *self, measure_options *o, char **files, int n_files) {
-    const enum exit_code code = part_options_settle(&o->parts, self, files, n_files);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(part_options_settle(&o->parts, self, files, n_files));
     if (o->jackknife != 0 && o->settings.values.estimator != SHEAR_ESTIMATOR_MEAN) {
-        message_fail("leave one of the two out", "--jackknife is for --estimator mean only");
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, "leave one of the two out",
+                            "--jackknife is for --estimator mean only");
     }
-    if (o->field != NULL && o->field[0] == '\0') {
-        message_fail(NULL, "--field: the name is empty");
-        return EXIT_CODE_USAGE;
-    }
+    if (o->field != NULL && o->field[0] == '\0')
+        return message_fail(EXIT_CODE_USAGE, NULL, "--field: the name is empty");
     return EXIT_CODE_DONE;
 }
 
@@ -41,10 +37,9 @@ static enum exit_code parse(const command *self, int argc, char **argv, measure_
         PART_OPTIONS(&o->parts),
         {0}};
     shear_settings_init(&o->settings.values);
-    enum exit_code code = options_parse(self, argc, argv, options, &o->settings);
-    if (code == EXIT_CODE_DONE)
-        code = options_check_settings(&o->settings);
-    return code != EXIT_CODE_DONE ? code : check(self, o, argv + optind, argc - optind);
+    TRY(options_parse(self, argc, argv, options, &o->settings));
+    TRY(options_check_settings(&o->settings));
+    return check(self, o, argv + optind, argc - optind);
 }
 
 static enum exit_code print_json(const measure_group *g, const measure_options *o) {
@@ -68,10 +63,8 @@ static enum exit_code print_json(const measure_group *g, const measure_options *
         .top_file = top != NULL ? top->path : NULL,
     };
     report.has_truth = measure_group_truth(g, &report.true_g1, &report.true_g2);
-    if (sheard_report_json(&text, &report, &err) != SHEAR_OK) {
-        message_error(&err);
-        return EXIT_CODE_OTHER;
-    }
+    if (sheard_report_json(&text, &report, &err) != SHEAR_OK)
+        return message_error(&err);
     puts(text);
     return EXIT_CODE_DONE;
 }
@@ -151,20 +144,15 @@ static enum exit_code measure_parts(const measure_options *o) {
     char text[SHEAR_INPUT_TEXT_SIZE];
     CLEANUP(part_input_deinit) part_input parts = {0};
     shear_error err = {0};
-    const int code = part_input_init(&parts, &o->parts, false, &err);
-    if (code != SHEAR_OK) {
-        message_error(&err);
-        return code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
-    }
+    if (part_input_init(&parts, &o->parts, false, &err) != SHEAR_OK)
+        return message_error(&err);
     const char *name = shear_input_text(&parts.input, text, sizeof text);
     return measure_inputs(&parts.input, &name, 1, o);
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     measure_options o = {.threads = 0};
-    const enum exit_code code = parse(self, argc, argv, &o);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(parse(self, argc, argv, &o));
     return part_options_any(&o.parts) ? measure_parts(&o)
                                       : measure_files(argv + optind, (size_t)(argc - optind), &o);
 }

@@ -23,10 +23,8 @@ CLEANUP_DEFINE(shear_mock, shear_mock_free)
 
 static enum exit_code set_mock(const option_entry *e, const char *value) {
     shear_error err = {0};
-    if (shear_mock_set(e->context, e->name, value, &err) != SHEAR_OK) {
-        message_error(&err);
-        return EXIT_CODE_USAGE;
-    }
+    if (shear_mock_set(e->context, e->name, value, &err) != SHEAR_OK)
+        return message_error(&err);
     return EXIT_CODE_DONE;
 }
 
@@ -44,9 +42,7 @@ static enum exit_code parse(const command *self, int argc, char **argv, mock_opt
                                             .context = &o->spec,
                                             .bare = table[i].metavar == NULL};
     }
-    const enum exit_code code = options_parse(self, argc, argv, options, NULL);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(options_parse(self, argc, argv, options, NULL));
     if (argc - optind != 1)
         return options_fail(self, "expected one output file, got %d", argc - optind);
     o->path = argv[optind];

@@ -20,6 +20,8 @@ typedef struct plot_command {
     plot_options options;
 } plot_command;
 
+CLEANUP_DEFINE(shear_catalog_table, shear_catalog_table_free)
+
 static enum exit_code parse(const command *self, int argc, char **argv, plot_command *c) {
     const option_entry options[] = {{.name = "output", .letter = 'o', .text = &c->out},
                                     {.name = "stamp",
@@ -34,14 +36,13 @@ static enum exit_code parse(const command *self, int argc, char **argv, plot_com
                                     {.name = "force", .flag = &c->force},
                                     {0}};
     shear_settings_init(&c->settings.values);
-    enum exit_code code = options_parse(self, argc, argv, options, &c->settings);
-    if (code == EXIT_CODE_DONE)
-        code = options_check_settings(&c->settings);
-    if (code == EXIT_CODE_DONE && argc - optind != 1)
+    TRY(options_parse(self, argc, argv, options, &c->settings));
+    TRY(options_check_settings(&c->settings));
+    if (argc - optind != 1)
         return options_fail(self, "expected one file, got %d", argc - optind);
     c->options.settings = &c->settings.values;
     c->path = argv[optind];
-    return code;
+    return EXIT_CODE_DONE;
 }
 
 static bool are_settings_given(const option_settings *s) {
@@ -67,10 +68,10 @@ static char *default_output(const char *path) {
 /* Reject options that do not apply to a catalog. */
 static enum exit_code refuse_field_options(const plot_command *c) {
     if (c->stamps_given || are_settings_given(&c->settings)) {
-        message_fail("plot the field file to see its stamps, or leave these options out",
-                     "%s is a catalog: it has no stamps, and was measured with settings of its own",
-                     c->path);
-        return EXIT_CODE_USAGE;
+        return message_fail(
+            EXIT_CODE_USAGE, "plot the field file to see its stamps, or leave these options out",
+            "%s is a catalog: it has no stamps, and was measured with settings of its own",
+            c->path);
     }
     return EXIT_CODE_DONE;
 }
@@ -78,24 +79,16 @@ static enum exit_code refuse_field_options(const plot_command *c) {
 static enum exit_code draw_catalog(shear_figure **figure, const plot_command *c,
                                    const shear_error *as_field) {
     shear_error err = {0};
-    shear_catalog_table *table = NULL;
+    CLEANUP(shear_catalog_table_release) shear_catalog_table *table = NULL;
     if (shear_catalog_read(&table, c->path, &err) != 0) {
-        if (err.code != SHEAR_E_FORMAT) {
-            message_error(&err);
-            return measure_failure_of(err.code, false);
-        }
-        message_fail("\"shearctl validate\" tells what is in a field file",
-                     "%s is neither a field file (%s) nor a result catalog (%s)", c->path,
-                     as_field->message, err.message);
-        return EXIT_CODE_INPUT;
+        if (err.code != SHEAR_E_FORMAT)
+            return message_error(&err);
+        return message_fail(EXIT_CODE_INPUT, "\"shearctl validate\" tells what is in a field file",
+                            "%s is neither a field file (%s) nor a result catalog (%s)", c->path,
+                            as_field->message, err.message);
     }
-    enum exit_code code = refuse_field_options(c);
-    if (code == EXIT_CODE_DONE && plot_catalog(figure, table, &err) != 0) {
-        message_error(&err);
-        code = measure_failure_of(err.code, false);
-    }
-    shear_catalog_table_free(table);
-    return code;
+    TRY(refuse_field_options(c));
+    return plot_catalog(figure, table, &err) != 0 ? message_error(&err) : EXIT_CODE_DONE;
 }
 
 /* Draw the file as a field file or as a catalog, whichever it can be opened as. */
@@ -107,9 +100,7 @@ static enum exit_code draw(shear_figure **figure, const plot_command *c) {
     if (field != NULL && plot_sheet(figure, field, &c->options, &err) != 0)
         shear_prefix(&err, err.code, "%s", c->path);
     shear_field_close(field);
-    if (err.code != 0)
-        message_error(&err);
-    return measure_failure_of(err.code, false);
+    return err.code != 0 ? message_error(&err) : EXIT_CODE_DONE;
 }
 
 /* Return whether `out` is the input file, which --force must not overwrite. */
@@ -129,13 +120,13 @@ static enum exit_code save(shear_figure *figure, const plot_command *c) {
     if (out == NULL)
         return message_no_memory();
     if (is_input(out, c->path)) {
-        message_fail("-o names another file", "%s is the input itself", out);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, "-o names another file", "%s is the input itself",
+                            out);
     }
     const int code = shear_figure_save(figure, out, c->force, &err);
     if (code == SHEAR_E_EXISTS) {
-        message_fail("--force replaces it, -o names another", "%s", err.message);
-        return EXIT_CODE_OTHER;
+        return message_fail(EXIT_CODE_OTHER, "--force replaces it, -o names another", "%s",
+                            err.message);
     }
     if (code != SHEAR_OK) {
         message_error(&err);
@@ -146,14 +137,10 @@ static enum exit_code save(shear_figure *figure, const plot_command *c) {
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     plot_command c = {.options = {.stamp = -1, .n_stamps = PLOT_DEFAULT_STAMPS}};
-    shear_figure *figure = NULL;
-    enum exit_code code = parse(self, argc, argv, &c);
-    if (code == EXIT_CODE_DONE)
-        code = draw(&figure, &c);
-    if (code == EXIT_CODE_DONE)
-        code = save(figure, &c);
-    shear_figure_free(figure);
-    return code;
+    CLEANUP(shear_figure_release) shear_figure *figure = NULL;
+    TRY(parse(self, argc, argv, &c));
+    TRY(draw(&figure, &c));
+    return save(figure, &c);
 }
 
 const command cmd_plot = {

@@ -26,13 +26,11 @@ static enum exit_code run(const command *self, int argc, char **argv) {
                                     {.name = "timeout", .seconds = &p.shutdown.timeout_s},
                                     SERVICE_OPTIONS(&s),
                                     {0}};
-    enum exit_code code = service_start(self, argc, argv, options, &s, "", 0, 0);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_start(self, argc, argv, options, &s, "", 0, 0));
     if (now)
         p.shutdown.mode = SHEARD_SHUTDOWN_NOW;
     const bool comes_back = !s.json && is_activated(&s);
-    code = service_answer(&s, SHEARD_METHOD_SHUTDOWN, &p, &reply);
+    const enum exit_code code = service_answer(&s, SHEARD_METHOD_SHUTDOWN, &p, &reply);
     if (code == EXIT_CODE_DONE && !s.json) {
         status_text_stopping(&reply.shutdown, stdout);
         if (comes_back) {

@@ -23,9 +23,7 @@ typedef struct submit_state {
 } submit_state;
 
 static enum exit_code check(const command *self, submit_state *o, char **files, int n) {
-    const enum exit_code code = part_options_settle(&o->what.parts, self, files, n);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(part_options_settle(&o->what.parts, self, files, n));
     if (o->what.key != NULL && n > 1)
         return options_fail(self, "a --key stands for one job: give one file with it");
     if (!isnan(o->how.timeout_s) && !o->wait)
@@ -89,35 +87,31 @@ static void send_all(submit_state *o, char **names, size_t n) {
             going = send_one(o, &what, names[i]);
         }
         if (!going && i + 1 < n)
-            message_fail(NULL, "%zu more files were not submitted", n - i - 1);
+            message_fail(EXIT_CODE_PARTLY, NULL, "%zu more files were not submitted", n - i - 1);
     }
 }
 
 /* Print each job as `shearctl show` does, for --json. */
 static enum exit_code print_jobs(submit_state *o) {
-    enum exit_code code = EXIT_CODE_DONE;
-    for (size_t i = 0; code == EXIT_CODE_DONE && i < o->n_ids; i++) {
+    for (size_t i = 0; i < o->n_ids; i++) {
         const sheard_params p = {.id = {.id = o->ids[i]}};
-        code = service_answer(&o->service, SHEARD_METHOD_JOB, &p, NULL);
+        TRY(service_answer(&o->service, SHEARD_METHOD_JOB, &p, NULL));
     }
-    return code;
+    return EXIT_CODE_DONE;
 }
 
 static enum exit_code wait_for_all(submit_state *o) {
     const enum exit_code code = follow_jobs(&o->service, o->ids, o->n_ids, &o->how);
     if (!o->service.json || code == EXIT_CODE_OTHER || code == EXIT_CODE_UNREACHABLE)
         return code;
-    const enum exit_code printed = print_jobs(o);
-    return printed != EXIT_CODE_DONE ? printed : code;
+    TRY(print_jobs(o));
+    return code;
 }
 
 static enum exit_code submit(submit_state *o, char **names, size_t n) {
-    enum exit_code code = service_open(&o->service);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_open(&o->service));
     send_all(o, names, n);
-    if (o->wait && o->n_ids > 0)
-        code = wait_for_all(o);
+    const enum exit_code code = o->wait && o->n_ids > 0 ? wait_for_all(o) : EXIT_CODE_DONE;
     if (o->refused == 0)
         return code;
     return o->n_ids == 0 ? o->first_code : code == EXIT_CODE_DONE ? EXIT_CODE_PARTLY : code;
@@ -142,23 +136,21 @@ static enum exit_code parse(const command *self, int argc, char **argv, submit_s
                                     {0}};
     service_init(&o->service);
     shear_settings_init(&what->settings.values);
-    const enum exit_code code = options_parse(self, argc, argv, options, &what->settings);
-    return code != EXIT_CODE_DONE ? code : check(self, o, argv + optind, argc - optind);
+    TRY(options_parse(self, argc, argv, options, &what->settings));
+    return check(self, o, argv + optind, argc - optind);
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     static char *no_name[] = {NULL};
     submit_state o = {.how = {.timeout_s = NAN}};
-    enum exit_code code = parse(self, argc, argv, &o);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(parse(self, argc, argv, &o));
     const bool by_parts = part_options_any(&o.what.parts);
     const size_t n = by_parts ? 1 : (size_t)(argc - optind);
     CLEANUP(release_free) int64_t *ids = calloc(n, sizeof *ids);
     if (ids == NULL)
         return message_no_memory();
     o.ids = ids;
-    code = submit(&o, by_parts ? no_name : argv + optind, n);
+    const enum exit_code code = submit(&o, by_parts ? no_name : argv + optind, n);
     service_close(&o.service);
     return code;
 }

@@ -27,10 +27,8 @@ static enum exit_code show(const sheard_validation_report *v, bool json) {
         validation_text_print(v, stdout);
         return EXIT_CODE_DONE;
     }
-    if (sheard_validation_report_json(&text, v, &err) != SHEAR_OK) {
-        message_error(&err);
-        return EXIT_CODE_OTHER;
-    }
+    if (sheard_validation_report_json(&text, v, &err) != SHEAR_OK)
+        return message_error(&err);
     puts(text);
     return EXIT_CODE_DONE;
 }
@@ -61,10 +59,8 @@ static enum exit_code validate(const char *path, const validate_options *o, bool
     sheard_validation_report v = {.path = path, .settings = &o->settings.values};
     sheard_advice_list doubts = {.n = 0};
     const int code = look_into(o, &field, &plan, &v, &words);
-    if (code == SHEAR_E_CANCELLED || code == SHEAR_E_NOMEM || code == SHEAR_E_INTERNAL) {
-        message_error(&words);
-        return EXIT_CODE_OTHER;
-    }
+    if (code == SHEAR_E_CANCELLED || code == SHEAR_E_NOMEM || code == SHEAR_E_INTERNAL)
+        return message_error(&words);
     if (v.measured) {
         sheard_advice_all(&doubts, &v.result, v.plan, NULL);
     } else if (v.plan != NULL) {
@@ -82,23 +78,18 @@ static enum exit_code parse(const command *self, int argc, char **argv, validate
     const option_entry options[] = {
         {.name = "json", .flag = &o->json}, {.name = "quiet", .flag = &o->quiet}, {0}};
     shear_settings_init(&o->settings.values);
-    enum exit_code code = options_parse(self, argc, argv, options, &o->settings);
-    if (code == EXIT_CODE_DONE)
-        code = options_check_settings(&o->settings);
-    return code == EXIT_CODE_DONE && optind >= argc ? options_fail(self, "which files?") : code;
+    TRY(options_parse(self, argc, argv, options, &o->settings));
+    TRY(options_check_settings(&o->settings));
+    return optind >= argc ? options_fail(self, "which files?") : EXIT_CODE_DONE;
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     validate_options o = {.json = false};
-    enum exit_code code = parse(self, argc, argv, &o);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(parse(self, argc, argv, &o));
     int n_good = 0;
     for (int i = optind; i < argc; i++) {
         bool good = false;
-        code = validate(argv[i], &o, &good);
-        if (code != EXIT_CODE_DONE)
-            return code;
+        TRY(validate(argv[i], &o, &good));
         n_good += good;
     }
     return n_good == argc - optind ? EXIT_CODE_DONE

@@ -7,10 +7,8 @@
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     (void)argv;
-    if (argc > 1) {
-        message_fail(NULL, "%s: expected no arguments", self->name);
-        return EXIT_CODE_USAGE;
-    }
+    if (argc > 1)
+        return message_fail(EXIT_CODE_USAGE, NULL, "%s: expected no arguments", self->name);
     printf("shearctl %s\nlibshear    %s\n%s", SHEAR_VERSION_STRING, shear_version(), BUILD_INFO);
     return EXIT_CODE_DONE;
 }

@@ -16,20 +16,15 @@ static enum exit_code run(const command *self, int argc, char **argv) {
                                     {.name = "quiet", .flag = &o.quiet},
                                     SERVICE_OPTIONS(&s),
                                     {0}};
-    enum exit_code code = service_parse(self, argc, argv, options, &s, "jobs", 1, INT_MAX);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_parse(self, argc, argv, options, &s, "jobs", 1, INT_MAX));
     const size_t n = (size_t)(argc - optind);
     CLEANUP(release_free) int64_t *ids = calloc(n, sizeof *ids);
     if (ids == NULL)
         return message_no_memory();
-    for (size_t i = 0; i < n; i++) {
-        code = service_job_id(argv[optind + (int)i], &ids[i]);
-        if (code != EXIT_CODE_DONE)
-            return code;
-    }
-    code = service_open(&s);
-    return code != EXIT_CODE_DONE ? code : follow_jobs(&s, ids, n, &o);
+    for (size_t i = 0; i < n; i++)
+        TRY(service_job_id(argv[optind + (int)i], &ids[i]));
+    TRY(service_open(&s));
+    return follow_jobs(&s, ids, n, &o);
 }
 
 const command cmd_wait = {

@@ -22,8 +22,8 @@ typedef struct watch_options {
 static enum exit_code set_interval(const option_entry *e, const char *value) {
     double *seconds = e->context;
     if (!human_parse_duration(value, seconds) || *seconds < 0.05 || *seconds > 86400.0) {
-        message_fail(NULL, "--interval %s: expected a time from 50ms to 1d", value);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, NULL, "--interval %s: expected a time from 50ms to 1d",
+                            value);
     }
     return EXIT_CODE_DONE;
 }
@@ -33,10 +33,7 @@ static enum exit_code set_interval(const option_entry *e, const char *value) {
 static enum exit_code print_one(watch_options *w) {
     CLEANUP(watch_view_deinit) watch_view view = {0};
     sheard_rpc_error error = {0};
-    const enum exit_code code =
-        service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error));
     if (w->service.json) {
         watch_view_json(&view, stdout);
         return EXIT_CODE_DONE;
@@ -64,12 +61,8 @@ static enum exit_code print_many(watch_options *w) {
 /* Request a snapshot and print it; connect first if necessary. */
 static enum connection_status print_view(watch_options *w, FILE *out, sheard_rpc_error *error) {
     service *s = &w->service;
-    if (s->connection == NULL) {
-        const enum connection_status status =
-            connection_open(&s->connection, s->socket, s->reply_timeout_s, error);
-        if (status != CONNECTION_OK)
-            return status;
-    }
+    if (s->connection == NULL)
+        TRY(connection_open(&s->connection, s->socket, s->reply_timeout_s, error));
     CLEANUP(watch_view_deinit) watch_view view = {0};
     const enum connection_status status = watch_view_init(&view, s, w->jobs, error);
     if (status == CONNECTION_OK) {
@@ -107,9 +100,7 @@ static bool draw(watch_options *w) {
 }
 
 static enum exit_code live(watch_options *w) {
-    const enum exit_code code = service_open(&w->service);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_open(&w->service));
     screen_begin();
     bool drawn = draw(w);
     for (int64_t i = 1; drawn && i != w->count && !screen_wait(w->interval_s); i++)
@@ -126,10 +117,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         {.name = "jobs", .integer = &w.jobs, .min = 1, .max = MAX_JOBS},
         SERVICE_OPTIONS(&w.service),
         {0}};
-    enum exit_code code = service_parse(self, argc, argv, options, &w.service, "", 0, 0);
-    if (code != EXIT_CODE_DONE)
-        return code;
-    code = !w.service.json && screen_possible() ? live(&w) : print_many(&w);
+    TRY(service_parse(self, argc, argv, options, &w.service, "", 0, 0));
+    const enum exit_code code = !w.service.json && screen_possible() ? live(&w) : print_many(&w);
     service_close(&w.service);
     return code;
 }

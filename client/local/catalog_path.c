@@ -50,17 +50,17 @@ static enum exit_code check_existing(const char *path, const struct stat *st,
                                      const measure_input *inputs, size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
         if (reads_file(inputs[i].source, st)) {
-            message_fail(NULL, "--catalog %s: that is one of the input files", path);
-            return EXIT_CODE_USAGE;
+            return message_fail(EXIT_CODE_USAGE, NULL,
+                                "--catalog %s: that is one of the input files", path);
         }
     }
     if (!S_ISREG(st->st_mode)) {
-        message_fail(NULL, "--catalog %s: exists and is not a regular file", path);
-        return EXIT_CODE_OTHER;
+        return message_fail(EXIT_CODE_OTHER, NULL, "--catalog %s: exists and is not a regular file",
+                            path);
     }
     if (!force) {
-        message_fail("--force replaces it", "--catalog %s: the file exists", path);
-        return EXIT_CODE_OTHER;
+        return message_fail(EXIT_CODE_OTHER, "--force replaces it", "--catalog %s: the file exists",
+                            path);
     }
     return EXIT_CODE_DONE;
 }
@@ -82,9 +82,8 @@ static enum exit_code check_parent(const char *path) {
     const char *parent = dirname(copy);
     const int why = unwritable(parent);
     if (why != 0) {
-        message_fail("choose a directory that you may write to",
-                     "--catalog %s: cannot write in %s: %s", path, parent, strerror(why));
-        return EXIT_CODE_OTHER;
+        return message_fail(EXIT_CODE_OTHER, "choose a directory that you may write to",
+                            "--catalog %s: cannot write in %s: %s", path, parent, strerror(why));
     }
     return EXIT_CODE_DONE;
 }
@@ -106,10 +105,9 @@ static enum exit_code check_all(const measure_input *inputs, size_t n, bool forc
             continue;
         for (size_t j = 0; j < i; j++) {
             if (inputs[j].catalog != NULL && strcmp(inputs[j].catalog, inputs[i].catalog) == 0) {
-                message_fail("measure them in separate runs, or rename one",
-                             "--catalog: %s and %s would share the catalog %s", inputs[j].path,
-                             inputs[i].path, inputs[i].catalog);
-                return EXIT_CODE_USAGE;
+                return message_fail(EXIT_CODE_USAGE, "measure them in separate runs, or rename one",
+                                    "--catalog: %s and %s would share the catalog %s",
+                                    inputs[j].path, inputs[i].path, inputs[i].catalog);
             }
         }
         const enum exit_code code = check_path(inputs[i].catalog, inputs, n, force);
@@ -123,11 +121,11 @@ enum exit_code catalog_paths_resolve(measure_input *inputs, size_t n, const char
     bool directory = is_directory(out);
     size_t length = strlen(out);
     if (!directory && (n > 1 || length == 0 || out[length - 1] == '/')) {
-        message_fail("make it first; each input gets DIRECTORY/BASE.shear.fits", "--catalog %s: %s",
-                     out,
-                     n > 1 ? "for several input files this must be an existing directory"
-                           : "there is no such directory");
-        return n > 1 ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
+        return message_fail(n > 1 ? EXIT_CODE_USAGE : EXIT_CODE_OTHER,
+                            "make it first; each input gets DIRECTORY/BASE.shear.fits",
+                            "--catalog %s: %s", out,
+                            n > 1 ? "for several input files this must be an existing directory"
+                                  : "there is no such directory");
     }
     for (size_t i = 0; i < n; i++) {
         if (measure_input_is_wanted(&inputs[i])) {

@@ -72,11 +72,11 @@ static int check_blocks(const measure_group *g, int groups, shear_error *err) {
     return SHEAR_OK;
 }
 
-static void fail_all(measure_group *g, int code, const shear_error *err) {
-    message_error(err);
+static void fail_all(measure_group *g, const shear_error *err) {
+    const enum exit_code code = message_error(err);
     for (size_t i = 0; i < g->n; i++) {
         if (g->inputs[i]->failure == 0)
-            g->inputs[i]->failure = measure_failure_of(code, false);
+            g->inputs[i]->failure = code;
     }
 }
 
@@ -103,8 +103,9 @@ static void run_input(measure_input *input, const measure_options *o, const gath
                                &input->report, &err);
     progress_end(bar);
     if (code != SHEAR_OK) {
-        message_error(&err);
-        input->failure = measure_failure_of(code, input->catalog != NULL);
+        const bool writing = code == SHEAR_E_IO && input->catalog != NULL;
+        const enum exit_code failure = message_error(&err);
+        input->failure = writing ? EXIT_CODE_OTHER : failure;
     }
     input->measured = code == SHEAR_OK;
 }
@@ -247,7 +248,7 @@ bool measure_group_run(measure_group *g, const measure_options *o) {
         code = check_result(g, &err);
     }
     if (code != SHEAR_OK)
-        fail_all(g, code, &err);
+        fail_all(g, &err);
     return measured;
 }
 

@@ -41,8 +41,7 @@ void measure_inputs_open(measure_input *inputs, size_t n, const char *field) {
         shear_error err = {0};
         const int code = look_into(&inputs[i], field, &err);
         if (code != SHEAR_OK) {
-            message_error(&err);
-            inputs[i].failure = measure_failure_of(code, false);
+            inputs[i].failure = message_error(&err);
             continue;
         }
         inputs[i].field = field != NULL ? field : inputs[i].info.name;
@@ -58,24 +57,6 @@ void measure_inputs_free(measure_input *inputs, size_t n) {
 
 bool measure_input_is_wanted(const measure_input *input) {
     return input->failure == 0 && !input->duplicate;
-}
-
-enum exit_code measure_failure_of(int shear_code, bool writing) {
-    switch (shear_code) {
-    case SHEAR_OK:
-        return EXIT_CODE_DONE;
-    case SHEAR_E_SETTING:
-        return EXIT_CODE_USAGE;
-    case SHEAR_E_IO:
-        return writing ? EXIT_CODE_OTHER : EXIT_CODE_INPUT;
-    case SHEAR_E_FORMAT:
-    case SHEAR_E_BETA:
-    case SHEAR_E_PSF:
-    case SHEAR_E_NEGATIVE:
-        return EXIT_CODE_INPUT;
-    default:
-        return EXIT_CODE_OTHER;
-    }
 }
 
 enum exit_code measure_inputs_exit_code(const measure_input *inputs, size_t n) {

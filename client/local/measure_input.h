@@ -35,8 +35,5 @@ const char *measure_input_path(const measure_input *input);
 /* Return whether the file is to be measured: it has neither failed nor is it a duplicate. */
 bool measure_input_is_wanted(const measure_input *input);
 
-/* Return the exit code for an error of libshear about this file. `writing`: the input was good, and
- * writing the output failed. */
-enum exit_code measure_failure_of(int shear_code, bool writing);
 /* Return the exit code of the whole command. */
 enum exit_code measure_inputs_exit_code(const measure_input *inputs, size_t n);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/connection.h"
+
+#include "base/cleanup.h"
 #include "base/clock.h"
 
 #include "remote/socket_io.h"
@@ -49,6 +51,8 @@ void connection_close(connection *c) {
     free(c);
 }
 
+CLEANUP_DEFINE(connection, connection_close)
+
 /* Map an error of the protocol layer: out of memory is local, all others are the peer's. */
 static enum connection_status bad_message(const sheard_rpc_error *error) {
     return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_MISMATCH;
@@ -85,10 +89,7 @@ static enum connection_status receive(connection *c, double deadline, sheard_mes
         if (event != SHEARD_FRAME_MORE)
             return bad_line(event, error);
         c->at = c->input;
-        const enum connection_status status =
-            socket_io_receive(c->fd, c->input, sizeof c->input, &c->left, deadline, error);
-        if (status != CONNECTION_OK)
-            return status;
+        TRY(socket_io_receive(c->fd, c->input, sizeof c->input, &c->left, deadline, error));
     }
 }
 
@@ -97,9 +98,7 @@ static enum connection_status receive(connection *c, double deadline, sheard_mes
 static enum connection_status receive_answer(connection *c, int64_t id, double deadline,
                                              sheard_message *m, sheard_rpc_error *error) {
     for (;;) {
-        const enum connection_status status = receive(c, deadline, m, error);
-        if (status != CONNECTION_OK)
-            return status;
+        TRY(receive(c, deadline, m, error));
         if (m->kind == SHEARD_MESSAGE_NOTICE) {
             if (c->listener != NULL && m->notice >= 0)
                 c->listener(c->context, m);
@@ -134,16 +133,14 @@ static enum connection_status read_answer(const sheard_message *m, int method, s
 
 static enum connection_status send_request(connection *c, int method, const sheard_params *params,
                                            double deadline, sheard_rpc_error *error) {
-    char *line = NULL;
+    CLEANUP(release_free) char *line = NULL;
     size_t n = 0;
     const sheard_rpc_id id = {.type = SHEARD_ID_INTEGER, .integer = ++c->last_id};
     if (sheard_request_line(&line, &n, &id, method, params, error) != 0) {
         /* The request is checked here with the service's own rules and messages. */
         return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_REFUSED;
     }
-    const enum connection_status status = socket_io_send(c->fd, line, n, deadline, error);
-    free(line);
-    return status;
+    return socket_io_send(c->fd, line, n, deadline, error);
 }
 
 enum connection_status connection_call(connection *c, int method, const sheard_params *params,
@@ -151,13 +148,9 @@ enum connection_status connection_call(connection *c, int method, const sheard_p
                                        sheard_rpc_error *error) {
     const double deadline = clock_s(CLOCK_MONOTONIC) + timeout_s;
     sheard_message m = {.notice = -1};
-    enum connection_status status = send_request(c, method, params, deadline, error);
-    if (status != CONNECTION_OK)
-        return status;
-    status = receive_answer(c, c->last_id, deadline, &m, error);
-    if (status != CONNECTION_OK)
-        return status;
-    status = read_answer(&m, method, reply, text, error);
+    TRY(send_request(c, method, params, deadline, error));
+    TRY(receive_answer(c, c->last_id, deadline, &m, error));
+    const enum connection_status status = read_answer(&m, method, reply, text, error);
     sheard_message_deinit(&m);
     return status;
 }
@@ -195,17 +188,12 @@ enum connection_status connection_open(connection **out, const char *path, doubl
                                        sheard_rpc_error *error) {
     const double deadline = clock_s(CLOCK_MONOTONIC) + timeout_s;
     *out = NULL;
-    connection *c = calloc(1, sizeof *c);
+    CLEANUP(connection_release) connection *c = calloc(1, sizeof *c);
     if (c == NULL)
         return connection_fail(error, CONNECTION_FAILED, NULL, "out of memory");
     sheard_frame_init(&c->frame, sheard_rpc_reply_limits.line);
-    enum connection_status status = socket_io_connect(path, deadline, &c->fd, error);
-    if (status == CONNECTION_OK)
-        status = greet(c, path, deadline - clock_s(CLOCK_MONOTONIC), error);
-    if (status != CONNECTION_OK) {
-        connection_close(c);
-        return status;
-    }
-    *out = c;
+    TRY(socket_io_connect(path, deadline, &c->fd, error));
+    TRY(greet(c, path, deadline - clock_s(CLOCK_MONOTONIC), error));
+    *out = CLEANUP_TAKE(c);
     return CONNECTION_OK;
 }

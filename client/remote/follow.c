@@ -114,9 +114,9 @@ static enum exit_code wait_once(follow_state *f, const int64_t *ids, size_t n, b
         connection_call(f->service->connection, SHEARD_METHOD_WAIT, &p,
                         p.wait.timeout_s + f->service->reply_timeout_s, &reply, &text, &error);
     if (status == CONNECTION_INTERRUPTED) {
-        message_fail("shearctl wait goes on waiting, shearctl cancel stops the jobs",
-                     "interrupted; the jobs go on");
-        return EXIT_CODE_OTHER;
+        return message_fail(EXIT_CODE_OTHER,
+                            "shearctl wait goes on waiting, shearctl cancel stops the jobs",
+                            "interrupted; the jobs go on");
     }
     if (status == CONNECTION_OK) {
         *again = note_answer(f, &reply.wait, text);
@@ -128,11 +128,8 @@ static enum exit_code wait_once(follow_state *f, const int64_t *ids, size_t n, b
 static enum exit_code wait_all(follow_state *f, const int64_t *ids) {
     for (size_t first = 0; first < f->n; first += SHEARD_MSG_LIST_MAX) {
         bool again = true;
-        while (again) {
-            const enum exit_code code = wait_once(f, ids + first, chunk_at(f, first), &again);
-            if (code != EXIT_CODE_DONE)
-                return code;
-        }
+        while (again)
+            TRY(wait_once(f, ids + first, chunk_at(f, first), &again));
     }
     return follow_exit_code(&f->counts);
 }

@@ -320,15 +320,14 @@ void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out) {
 
 void job_complain(const sheard_msg_job *job) {
     if (job->state == SHEARD_JOB_FAILED) {
-        message_fail(job->advice != NULL && *job->advice ? job->advice : NULL,
-                     "job %" PRId64 " failed: %s [%s]", job->id, or_dash(job->message),
-                     or_dash(job->code));
+        message_fail(EXIT_CODE_JOB_FAILED, job->advice, "job %" PRId64 " failed: %s [%s]", job->id,
+                     or_dash(job->message), or_dash(job->code));
     } else if (job->state == SHEARD_JOB_CANCELLED) {
-        message_fail(NULL, "job %" PRId64 " was cancelled", job->id);
+        message_fail(EXIT_CODE_CANCELLED, NULL, "job %" PRId64 " was cancelled", job->id);
     } else if (job->state == SHEARD_JOB_RETRACTED) {
-        message_fail(NULL, "job %" PRId64 " was retracted", job->id);
+        message_fail(EXIT_CODE_CANCELLED, NULL, "job %" PRId64 " was retracted", job->id);
     } else if (!sheard_job_state_is_final(job->state)) {
-        message_fail(NULL, "job %" PRId64 " is not finished: %s", job->id,
+        message_fail(EXIT_CODE_TIMED_OUT, NULL, "job %" PRId64 " is not finished: %s", job->id,
                      sheard_job_state_name(job->state));
     }
 }

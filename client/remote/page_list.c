@@ -14,9 +14,7 @@ static enum exit_code list_page(page_list *l, size_t *n, char **cursor) {
     const char *next = NULL;
     *l->page_limit = l->limit < l->page_max ? l->limit : l->page_max;
     *l->cursor = *cursor != NULL ? *cursor : *l->cursor;
-    const enum exit_code code = service_answer(&l->service, l->method, &l->params, &reply);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_answer(&l->service, l->method, &l->params, &reply));
     *n = l->show(l, &reply, &next);
     free(*cursor);
     *cursor = next != NULL ? strdup(next) : NULL;
@@ -29,9 +27,7 @@ enum exit_code page_list_print(page_list *l) {
     CLEANUP(release_free) char *cursor = NULL;
     size_t n = 0; /* an empty page ends the list, or the loop would not end */
     do {
-        const enum exit_code code = list_page(l, &n, &cursor);
-        if (code != EXIT_CODE_DONE)
-            return code;
+        TRY(list_page(l, &n, &cursor));
     } while (cursor != NULL && n > 0 && l->limit > 0);
     if (l->service.json)
         return EXIT_CODE_DONE;

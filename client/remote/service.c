@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/service.h"
 
+#include "base/cleanup.h"
 #include "base/text.h"
 #include "terminal/human.h"
 #include "terminal/message.h"
@@ -12,8 +13,8 @@ static const double default_reply_timeout_s = 30.0;
 enum exit_code service_set_reply_timeout(const option_entry *entry, const char *value) {
     service *s = entry->context;
     if (!human_parse_duration(value, &s->reply_timeout_s) || s->reply_timeout_s <= 0.0) {
-        message_fail(NULL, "--reply-timeout %s: expected a time, as 30, 500ms, 2min", value);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, NULL,
+                            "--reply-timeout %s: expected a time, as 30, 500ms, 2min", value);
     }
     return EXIT_CODE_DONE;
 }
@@ -26,15 +27,15 @@ enum exit_code service_parse(const command *self, int argc, char **argv,
                              const option_entry *entries, service *s, const char *what, int min,
                              int max) {
     service_init(s);
-    const enum exit_code code = options_parse(self, argc, argv, entries, NULL);
-    return code != EXIT_CODE_DONE ? code : options_count_operands(self, argc, argv, what, min, max);
+    TRY(options_parse(self, argc, argv, entries, NULL));
+    return options_count_operands(self, argc, argv, what, min, max);
 }
 
 enum exit_code service_start(const command *self, int argc, char **argv,
                              const option_entry *entries, service *s, const char *what, int min,
                              int max) {
-    const enum exit_code code = service_parse(self, argc, argv, entries, s, what, min, max);
-    return code != EXIT_CODE_DONE ? code : service_open(s);
+    TRY(service_parse(self, argc, argv, entries, s, what, min, max));
+    return service_open(s);
 }
 
 /* Return the exit code for an error with which the service replied. */
@@ -87,13 +88,12 @@ enum exit_code service_exit_code(enum connection_status status, const sheard_rpc
 }
 
 enum exit_code service_say(enum connection_status status, const sheard_rpc_error *error) {
-    if (status != CONNECTION_OK) {
-        message_fail(error->advice[0] != '\0' ? error->advice : NULL, "%s%s%s%s", error->message,
-                     status == CONNECTION_REFUSED ? " [" : "",
-                     status == CONNECTION_REFUSED ? error->name : "",
-                     status == CONNECTION_REFUSED ? "]" : "");
-    }
-    return service_exit_code(status, error);
+    const enum exit_code code = service_exit_code(status, error);
+    if (status == CONNECTION_OK)
+        return code;
+    return status == CONNECTION_REFUSED
+               ? message_fail(code, error->advice, "%s [%s]", error->message, error->name)
+               : message_fail(code, error->advice, "%s", error->message);
 }
 
 enum exit_code service_open(service *s) {
@@ -152,9 +152,8 @@ enum exit_code service_outcomes_code(const service_outcomes *o) {
 
 enum exit_code service_job_id(const char *text, int64_t *id) {
     if (text[0] < '0' || text[0] > '9' || !text_to_int64(text, id) || *id < 1) {
-        message_fail("\"shearctl jobs\" lists the jobs and their numbers",
-                     "%s is not the number of a job", text);
-        return EXIT_CODE_USAGE;
+        return message_fail(EXIT_CODE_USAGE, "\"shearctl jobs\" lists the jobs and their numbers",
+                            "%s is not the number of a job", text);
     }
     return EXIT_CODE_DONE;
 }

@@ -20,25 +20,23 @@ static enum exit_code ask(service *s, int method, const sheard_params *params,
 static enum exit_code ask_job(service *s, const char *name, int method, service_printer *print) {
     sheard_params p;
     sheard_params_init(&p, method);
-    const enum exit_code code = service_job_id(name, &p.id.id);
-    return code != EXIT_CODE_DONE ? code : ask(s, method, &p, print);
+    TRY(service_job_id(name, &p.id.id));
+    return ask(s, method, &p, print);
 }
 
 enum exit_code service_query(const command *self, int argc, char **argv, int method,
                              service_printer *print) {
     CLEANUP(service_close) service s = {0};
     const option_entry options[] = {SERVICE_OPTIONS(&s), {0}};
-    const enum exit_code code = service_start(self, argc, argv, options, &s, "", 0, 0);
-    return code != EXIT_CODE_DONE ? code : ask(&s, method, NULL, print);
+    TRY(service_start(self, argc, argv, options, &s, "", 0, 0));
+    return ask(&s, method, NULL, print);
 }
 
 enum exit_code service_query_jobs(const command *self, int argc, char **argv, const char *what,
                                   int method, service_printer *print) {
     CLEANUP(service_close) service s = {0};
     const option_entry options[] = {SERVICE_OPTIONS(&s), {0}};
-    const enum exit_code code = service_start(self, argc, argv, options, &s, what, 1, INT_MAX);
-    if (code != EXIT_CODE_DONE)
-        return code;
+    TRY(service_start(self, argc, argv, options, &s, what, 1, INT_MAX));
     service_outcomes outcomes = {0};
     for (int i = optind; i < argc && service_outcomes_go_on(&outcomes); i++)
         service_outcomes_add(&outcomes, ask_job(&s, argv[i], method, print));

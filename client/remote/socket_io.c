@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/socket_io.h"
+
+#include "base/cleanup.h"
 #include "base/clock.h"
 #include "base/text.h"
 
@@ -117,17 +119,14 @@ enum connection_status socket_io_connect(const char *path, double deadline, int 
                                "the path of a socket has at most %zu bytes: %s",
                                sizeof address.sun_path - 1, path);
     }
-    const int s = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    CLEANUP(release_fd) int s = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (s < 0) {
         return connection_fail(error, CONNECTION_FAILED, NULL, "cannot make a socket: %s",
                                strerror(errno));
     }
-    const enum connection_status status = connect_to(s, &address, deadline, error);
-    if (status != CONNECTION_OK) {
-        close(s);
-        return status;
-    }
+    TRY(connect_to(s, &address, deadline, error));
     *fd = s;
+    s = -1;
     return CONNECTION_OK;
 }
 
@@ -141,9 +140,7 @@ enum connection_status socket_io_send(int fd, const char *bytes, size_t n, doubl
         } else if (errno == EPIPE || errno == ECONNRESET) {
             return CONNECTION_OK;
         } else if (errno == EAGAIN) {
-            const enum connection_status status = wait_for(fd, POLLOUT, deadline, error);
-            if (status != CONNECTION_OK)
-                return status;
+            TRY(wait_for(fd, POLLOUT, deadline, error));
         } else if (errno != EINTR) {
             return connection_fail(error, CONNECTION_UNREACHABLE, NULL,
                                    "cannot write to the service: %s", strerror(errno));
@@ -171,8 +168,6 @@ enum connection_status socket_io_receive(int fd, char *buf, size_t size, size_t 
             return connection_fail(error, CONNECTION_UNREACHABLE, NULL,
                                    "cannot read from the service: %s", strerror(errno));
         }
-        const enum connection_status status = wait_for(fd, POLLIN, deadline, error);
-        if (status != CONNECTION_OK)
-            return status;
+        TRY(wait_for(fd, POLLIN, deadline, error));
     }
 }

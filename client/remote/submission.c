@@ -10,25 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static enum exit_code input_error(const shear_error *err) {
-    message_error(err);
-    return err->code == SHEAR_E_SETTING ? EXIT_CODE_USAGE
-           : err->code == SHEAR_E_NOMEM ? EXIT_CODE_OTHER
-                                        : EXIT_CODE_INPUT;
-}
-
 /* ---- Job files ---- */
 
 static enum exit_code read_all(FILE *in, const char *name, char *buf, size_t size, size_t *n) {
     *n = fread(buf, 1, size, in);
-    if (ferror(in) != 0) {
-        message_fail(NULL, "cannot read %s: %s", name, strerror(errno));
-        return EXIT_CODE_INPUT;
-    }
+    if (ferror(in) != 0)
+        return message_fail(EXIT_CODE_INPUT, NULL, "cannot read %s: %s", name, strerror(errno));
     if (*n == size) {
-        message_fail(NULL, "%s is no job file: it has more than %d bytes", name,
-                     SHEARD_MSG_JOB_FILE_MAX);
-        return EXIT_CODE_INPUT;
+        return message_fail(EXIT_CODE_INPUT, NULL, "%s is no job file: it has more than %d bytes",
+                            name, SHEARD_MSG_JOB_FILE_MAX);
     }
     return EXIT_CODE_DONE;
 }
@@ -36,9 +26,9 @@ static enum exit_code read_all(FILE *in, const char *name, char *buf, size_t siz
 static enum exit_code parse_job(submission *s, const char *name, const char *text, size_t n) {
     sheard_rpc_error error = {0};
     if (sheard_job_file_parse(&s->parsed, text, n, NULL, &error) != 0) {
-        message_fail(error.advice[0] != '\0' ? error.advice : NULL, "%s: %s [%s]", name,
-                     error.message, error.name);
-        return error.code == SHEARD_RPC_OUT_OF_MEMORY ? EXIT_CODE_OTHER : EXIT_CODE_INPUT;
+        return message_fail(error.code == SHEARD_RPC_OUT_OF_MEMORY ? EXIT_CODE_OTHER
+                                                                   : EXIT_CODE_INPUT,
+                            error.advice, "%s: %s [%s]", name, error.message, error.name);
     }
     return EXIT_CODE_DONE;
 }
@@ -49,18 +39,16 @@ static enum exit_code read_job_from(submission *s, FILE *in, const char *shown) 
     CLEANUP(release_free) char *text = malloc(size);
     if (text == NULL)
         return message_no_memory();
-    const enum exit_code code = read_all(in, shown, text, size, &n);
-    return code != EXIT_CODE_DONE ? code : parse_job(s, shown, text, n);
+    TRY(read_all(in, shown, text, size, &n));
+    return parse_job(s, shown, text, n);
 }
 
 static enum exit_code read_job_file(submission *s, const char *name) {
     if (strcmp(name, "-") == 0)
         return read_job_from(s, stdin, "standard input");
     CLEANUP(release_file) FILE *in = fopen(name, "re");
-    if (in == NULL) {
-        message_fail(NULL, "cannot open %s: %s", name, strerror(errno));
-        return EXIT_CODE_INPUT;
-    }
+    if (in == NULL)
+        return message_fail(EXIT_CODE_INPUT, NULL, "cannot open %s: %s", name, strerror(errno));
     return read_job_from(s, in, name);
 }
 
@@ -72,7 +60,7 @@ static enum exit_code set_images(submission *s, const submission_options *o) {
     sheard_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
                                         &source->catalog};
     if (part_input_init(&s->parts, &o->parts, true, &err) != 0)
-        return input_error(&err);
+        return message_error(&err);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         const shear_input_part *part = &s->parts.input.parts[i];
         *images[i] = (sheard_msg_image){part->path, part->hdu, part->extname};
@@ -83,7 +71,7 @@ static enum exit_code set_images(submission *s, const submission_options *o) {
 static enum exit_code set_file(submission *s, const char *name) {
     shear_error err = {0};
     if (input_path_absolute(name, &s->path, &err) != 0)
-        return input_error(&err);
+        return message_error(&err);
     s->params.submit.source.path = s->path;
     return EXIT_CODE_DONE;
 }
@@ -145,10 +133,9 @@ static enum exit_code set_source(submission *s, const char *name, const submissi
 enum exit_code submission_init(submission *s, const char *name, const submission_options *o) {
     *s = (submission){0};
     sheard_params_init(&s->params, SHEARD_METHOD_SUBMIT);
-    const enum exit_code code = set_source(s, name, o);
-    if (code == EXIT_CODE_DONE)
-        set_options(s, o);
-    return code;
+    TRY(set_source(s, name, o));
+    set_options(s, o);
+    return EXIT_CODE_DONE;
 }
 
 void submission_deinit(submission *s) {

@@ -5,6 +5,7 @@
 #include "remote/job_text.h"
 #include "remote/status_text.h"
 
+#include "base/cleanup.h"
 #include "base/clock.h"
 #include "terminal/style.h"
 
@@ -49,9 +50,8 @@ static bool is_known(const watch_view *v, const char *field) {
  * those that begin with its name. */
 static enum connection_status ask_fields(watch_view *v, service *s, const watch_part *jobs,
                                          sheard_rpc_error *error) {
-    enum connection_status status = CONNECTION_OK;
     const sheard_msg_job_page *page = &jobs->reply.jobs;
-    for (size_t i = 0; status == CONNECTION_OK && i < page->n_jobs; i++) {
+    for (size_t i = 0; i < page->n_jobs; i++) {
         const char *name = page->jobs[i].field;
         if (name == NULL || name[0] == '\0' || v->n == WATCH_PARTS || is_known(v, name))
             continue;
@@ -59,9 +59,9 @@ static enum connection_status ask_fields(watch_view *v, service *s, const watch_
         sheard_params_init(&p, SHEARD_METHOD_FIELDS);
         p.fields.prefix = name;
         p.fields.limit = FIELD_ROWS;
-        status = ask(v, s, SHEARD_METHOD_FIELDS, &p, name, error);
+        TRY(ask(v, s, SHEARD_METHOD_FIELDS, &p, name, error));
     }
-    return status;
+    return CONNECTION_OK;
 }
 
 enum connection_status watch_view_init(watch_view *v, service *s, int64_t n_jobs,
@@ -70,14 +70,12 @@ enum connection_status watch_view_init(watch_view *v, service *s, int64_t n_jobs
     const unsigned finished = 1U << SHEARD_JOB_DONE | 1U << SHEARD_JOB_FAILED |
                               1U << SHEARD_JOB_CANCELLED | 1U << SHEARD_JOB_RETRACTED;
     *v = (watch_view){.n = 0};
-    enum connection_status status = ask(v, s, SHEARD_METHOD_STATUS, NULL, NULL, error);
-    if (status == CONNECTION_OK)
-        status = ask_jobs(v, s, active, n_jobs, error);
-    if (status == CONNECTION_OK)
-        status = ask_jobs(v, s, finished, n_jobs, error);
-    for (size_t i = WATCH_ACTIVE; status == CONNECTION_OK && i <= WATCH_FINISHED; i++)
-        status = ask_fields(v, s, &v->parts[i], error);
-    return status;
+    TRY(ask(v, s, SHEARD_METHOD_STATUS, NULL, NULL, error));
+    TRY(ask_jobs(v, s, active, n_jobs, error));
+    TRY(ask_jobs(v, s, finished, n_jobs, error));
+    for (size_t i = WATCH_ACTIVE; i <= WATCH_FINISHED; i++)
+        TRY(ask_fields(v, s, &v->parts[i], error));
+    return CONNECTION_OK;
 }
 
 void watch_view_deinit(watch_view *v) {
@@ -94,7 +92,7 @@ static void title(FILE *out, const char *text, bool colours) {
 static enum exit_code print_active(const sheard_msg_job_page *page, FILE *out, bool colours,
                                    int columns) {
     static const text_column heads[] = {{"ID", 'r'}, {"FIELD", 'l'}, {"PROGRESS", 'l'}};
-    text_table *t = text_table_new(heads, sizeof heads / sizeof *heads);
+    CLEANUP(text_table_release) text_table *t = text_table_new(heads, sizeof heads / sizeof *heads);
     for (size_t i = 0; i < page->n_jobs; i++) {
         const sheard_msg_job *job = &page->jobs[i];
         const sheard_msg_progress *p = &job->progress;
@@ -107,23 +105,19 @@ static enum exit_code print_active(const sheard_msg_job_page *page, FILE *out, b
             text_table_cell(t, NULL, "%s", job_bar_text(p, BAR_WIDTH, text, sizeof text));
         }
     }
-    const enum exit_code code = text_table_render(t, out, 2, colours, columns);
-    text_table_free(t);
-    return code;
+    return text_table_render(t, out, 2, colours, columns);
 }
 
 static enum exit_code print_finished(const sheard_msg_job_page *page, FILE *out, bool colours,
                                      int columns) {
-    text_table *t = job_table_new();
+    CLEANUP(text_table_release) text_table *t = job_table_new();
     for (size_t i = 0; i < page->n_jobs; i++)
         job_table_add(t, &page->jobs[i], clock_ms(CLOCK_REALTIME));
-    const enum exit_code code = text_table_render(t, out, 2, colours, columns);
-    text_table_free(t);
-    return code;
+    return text_table_render(t, out, 2, colours, columns);
 }
 
 static enum exit_code print_fields(const watch_view *v, FILE *out, bool colours, int columns) {
-    text_table *t = field_table_new();
+    CLEANUP(text_table_release) text_table *t = field_table_new();
     for (size_t i = WATCH_FIELDS; i < v->n; i++) {
         const sheard_msg_field_page *page = &v->parts[i].reply.fields;
         for (size_t k = 0; k < page->n_fields; k++) {
@@ -132,29 +126,25 @@ static enum exit_code print_fields(const watch_view *v, FILE *out, bool colours,
         }
     }
     /* Fields without a contribution have no row. */
-    enum exit_code code = EXIT_CODE_DONE;
-    if (t == NULL || text_table_rows(t) > 0) {
-        title(out, "fields", colours);
-        code = text_table_render(t, out, 2, colours, columns);
-    }
-    text_table_free(t);
-    return code;
+    if (t != NULL && text_table_rows(t) == 0)
+        return EXIT_CODE_DONE;
+    title(out, "fields", colours);
+    return text_table_render(t, out, 2, colours, columns);
 }
 
 enum exit_code watch_view_print(const watch_view *v, FILE *out, bool colours, int columns) {
     const sheard_msg_job_page *active = &v->parts[WATCH_ACTIVE].reply.jobs;
     const sheard_msg_job_page *finished = &v->parts[WATCH_FINISHED].reply.jobs;
-    enum exit_code code = EXIT_CODE_DONE;
     status_text_brief(&v->parts[WATCH_STATUS].reply.status, colours, out);
     if (active->n_jobs > 0) {
         title(out, "running", colours);
-        code = print_active(active, out, colours, columns);
+        TRY(print_active(active, out, colours, columns));
     }
-    if (code == EXIT_CODE_DONE && finished->n_jobs > 0) {
+    if (finished->n_jobs > 0) {
         title(out, "finished", colours);
-        code = print_finished(finished, out, colours, columns);
+        TRY(print_finished(finished, out, colours, columns));
     }
-    return code != EXIT_CODE_DONE ? code : print_fields(v, out, colours, columns);
+    return print_fields(v, out, colours, columns);
 }
 
 void watch_view_json(const watch_view *v, FILE *out) {

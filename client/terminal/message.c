@@ -33,15 +33,25 @@ static void say(const char *kind, const char *text) {
     fprintf(stderr, "shearctl: %s: %s\n", kind, message_clean(text, clean, sizeof clean));
 }
 
-void message_error(const shear_error *err) {
-    say("error", err->message);
-    if (err->advice[0] != '\0')
-        say("advice", err->advice);
+enum exit_code message_error(const shear_error *err) {
+    return message_fail(message_exit_code(err->code), err->advice, "%s", err->message);
 }
 
-enum exit_code message_no_memory(void) {
-    message_fail(NULL, "out of memory");
-    return EXIT_CODE_OTHER;
+enum exit_code message_exit_code(int shear_code) {
+    switch (shear_code) {
+    case SHEAR_OK:
+        return EXIT_CODE_DONE;
+    case SHEAR_E_SETTING:
+        return EXIT_CODE_USAGE;
+    case SHEAR_E_IO:
+    case SHEAR_E_FORMAT:
+    case SHEAR_E_BETA:
+    case SHEAR_E_PSF:
+    case SHEAR_E_NEGATIVE:
+        return EXIT_CODE_INPUT;
+    default:
+        return EXIT_CODE_OTHER;
+    }
 }
 
 /* Print "shearctl: KIND: ...", formatted as by vprintf. */
@@ -52,13 +62,18 @@ __attribute__((format(printf, 2, 0))) static void say_formatted(const char *kind
     say(kind, text);
 }
 
-void message_fail(const char *hint, const char *format, ...) {
+enum exit_code message_fail(enum exit_code code, const char *advice, const char *format, ...) {
     va_list args;
     va_start(args, format);
     say_formatted("error", format, args);
     va_end(args);
-    if (hint != NULL)
-        say("advice", hint);
+    if (advice != NULL && advice[0] != '\0')
+        say("advice", advice);
+    return code;
+}
+
+enum exit_code message_no_memory(void) {
+    return message_fail(EXIT_CODE_OTHER, NULL, "out of memory");
 }
 
 void message_warning(const char *format, ...) {

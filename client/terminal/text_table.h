@@ -3,6 +3,7 @@
  * they are complete and plain. Characters that are not printable are shown as '?'. */
 #pragma once
 
+#include "base/cleanup.h"
 #include "terminal/exit_code.h"
 
 #include <stdbool.h>
@@ -20,6 +21,7 @@ typedef struct text_column {
  * NULL. */
 text_table *text_table_new(const text_column *columns, size_t n_columns);
 void text_table_free(text_table *table);
+CLEANUP_DEFINE(text_table, text_table_free)
 
 /* Add the next cell, row by row. `style` is one of style.h, or NULL. */
 void text_table_cell(text_table *table, const char *style, const char *format, ...)

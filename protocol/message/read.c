@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Read messages from JSON: objects and lists. */
+#include "base/cleanup.h"
 #include "base/text.h"
 #include "message/reader.h"
 #include "json/tree.h"
@@ -102,9 +103,7 @@ static int read_items(msg_reader *r, void *message, const msg_member *m, const j
     msg_put_count(message, m, n);
     for (size_t i = 0; i < n; i++) {
         const size_t mark = reader_enter_item(r, i);
-        const int code = read_item(r, list + i * size, m, json_array_get(value, i));
-        if (code != SHEARD_RPC_OK)
-            return code;
+        TRY(read_item(r, list + i * size, m, json_array_get(value, i)));
         reader_leave(r, mark);
     }
     return SHEARD_RPC_OK;

@@ -2,6 +2,8 @@
 /* Convert between canonical settings and JSON objects of native types. */
 #include "json/settings.h"
 
+#include "base/cleanup.h"
+
 #include "message/reader.h"
 #include "message/settings_text.h"
 #include "json/text.h"
@@ -114,9 +116,7 @@ int reader_settings(msg_reader *r, const char **at, const json_t *value) {
         return reader_wrong_type(r, "an object", value);
     assert(n <= MOST_SETTINGS);
     shear_settings_init(&g.values);
-    const int code = read_settings(r, &g, value);
-    if (code != SHEARD_RPC_OK)
-        return code;
+    TRY(read_settings(r, &g, value));
     for (size_t i = 0; i < n; i++) {
         if (g.given[i] && !settings_text_add(text, sizeof text, &g.values, &table[i]))
             return reader_fail(r, SHEARD_RPC_BAD_SETTING, "is too long");

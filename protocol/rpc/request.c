@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Parse a request, for the daemon. */
 #include "rpc/envelope.h"
+
+#include "base/cleanup.h"
 #include "rpc/methods.h"
 #include "rpc/submit.h"
 
@@ -78,21 +80,11 @@ static int read_params(sheard_params *params, enum sheard_method method, const j
 static int read_request(sheard_request *request, json_t *root, const shear_settings *defaults,
                         sheard_rpc_error *error) {
     enum sheard_method method = SHEARD_METHOD_NONE;
-    int code = check_shape(root, error);
-    if (code != SHEARD_RPC_OK)
-        return code;
-    code = read_id(&request->id, root, error);
-    if (code != SHEARD_RPC_OK)
-        return code;
-    code = check_envelope(root, error);
-    if (code != SHEARD_RPC_OK)
-        return code;
-    code = read_method(&method, root, error);
-    if (code != SHEARD_RPC_OK)
-        return code;
-    code = read_params(&request->params, method, root, defaults, error);
-    if (code != SHEARD_RPC_OK)
-        return code;
+    TRY(check_shape(root, error));
+    TRY(read_id(&request->id, root, error));
+    TRY(check_envelope(root, error));
+    TRY(read_method(&method, root, error));
+    TRY(read_params(&request->params, method, root, defaults, error));
     request->method = method;
     return SHEARD_RPC_OK;
 }

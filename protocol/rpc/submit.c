@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "rpc/submit.h"
 
+#include "base/cleanup.h"
 #include "base/text.h"
 #include "message/table.h"
 
@@ -20,10 +21,8 @@ static int check_settings(const sheard_msg_submit *submit, const shear_settings 
 
 int submit_read(sheard_msg_submit *submit, const json_t *params, const shear_settings *defaults,
                 sheard_rpc_error *error) {
-    int code = msg_read(submit, &msg_submit, params, MSG_STRICT, error);
-    if (code != SHEARD_RPC_OK)
-        return code;
-    code = check_settings(submit, defaults, error);
+    TRY(msg_read(submit, &msg_submit, params, MSG_STRICT, error));
+    const int code = check_settings(submit, defaults, error);
     if (code != SHEARD_RPC_OK)
         msg_deinit(submit, &msg_submit);
     return code;

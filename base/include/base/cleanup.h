@@ -42,10 +42,10 @@
         cleanup_taken_;                                                                            \
     })
 
-/* Return the code of `call` from this function if it is not 0 (OK). */
+/* Return the code of `call`, an int or an enum, from this function if it is not 0 (OK). */
 #define TRY(call)                                                                                  \
     do {                                                                                           \
-        const int try_code_ = (call);                                                              \
+        const __typeof__(call) try_code_ = (call);                                                 \
         if (try_code_ != 0)                                                                        \
             return try_code_;                                                                      \
     } while (0)
