@@ -14,8 +14,7 @@ struct shear_catalog {
     bool id_unsigned; /* its ids are unsigned numbers of 64 bits, stored as bits */
     sf_bitset written;
     int64_t kept;   /* number of rows that its header declares to be on disk */
-    double *values; /* [capacity]: one column of a chunk */
-    int32_t *flags; /* [capacity] flags, or pixel coordinates */
+    double *values; /* [capacity]: one column of a chunk, of any type */
     size_t capacity;
 };
 
@@ -28,6 +27,8 @@ int sf_catalog_new(shear_catalog **c, const char *path, const shear_field_info *
  * outlives its process, or NULL. */
 int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, const char *kept_for,
                             shear_error *err);
+/* Fail unless the CFITSIO status is 0: "cannot be written". */
+int sf_catalog_check(const shear_catalog *c, int status, shear_error *err);
 /* Return whether the table at c->out.fits has exactly the columns of *c. */
 bool sf_catalog_has_columns(shear_catalog *c);
 

@@ -34,21 +34,22 @@ typedef struct expected {
 static int check_keys(const expected *e, const sf_cards *cards, shear_error *err) {
     shear_catalog *c = e->catalog;
     CLEANUP(release_free) char *text = NULL;
-    bool found = false;
+    int64_t rows = SF_ABSENT;
     TRY(sf_key_string(cards, SF_KEPT_FOR, &text, err));
     if (text == NULL || strcmp(text, e->checksum) != 0)
         return not_usable(c, "it is of another input", err);
-    TRY(sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &c->kept, &found, err));
-    return found && c->kept >= e->rows
-               ? SHEAR_OK
-               : not_usable(c, "fewer rows are on disk than have been counted", err);
+    TRY(sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &rows, err));
+    if (rows < e->rows)
+        return not_usable(c, "fewer rows are on disk than have been counted", err);
+    c->kept = rows;
+    return SHEAR_OK;
 }
 
 /* Check that the file is one table and nothing else, before it is given to CFITSIO. */
 static int check_table(const expected *e, const sf_file *file, shear_error *err) {
     const sf_hdu *hdu = NULL;
-    TRY(sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err));
-    if (file->index.count != 2 || file->index.hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
+    TRY(sf_file_find(file, SF_CATALOG_HDU, true, &hdu, err));
+    if (file->count != 2 || file->hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
         hdu->axes[1] != e->catalog->n) {
         return not_usable(e->catalog, "its table has another shape", err);
     }
@@ -61,7 +62,7 @@ static int check_table(const expected *e, const sf_file *file, shear_error *err)
 
 static int check_file(const char *path, void *context, shear_error *err) {
     CLEANUP(sf_file_close) sf_file file;
-    TRY(sf_file_open(&file, path, err));
+    TRY(sf_file_open(&file, path, -1, err));
     return check_table(context, &file, err);
 }
 
@@ -94,14 +95,12 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
 /* Sync the rows first, then the keyword that declares them: a file that was begun again and did not
  * get as far has a smaller number, whatever an older checkpoint says. */
 int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err) {
-    const sf_place at = {c->out.name, SF_CATALOG_HDU};
     int status = 0;
-    const int rc = sf_output_sync(&c->out, err);
-    if (rc != SHEAR_OK || c->kept >= rows)
-        return rc;
+    TRY(sf_output_sync(&c->out, err));
+    if (c->kept >= rows)
+        return SHEAR_OK;
     fits_update_key_lng(c->out.fits, SF_KEPT_ROWS, rows, NULL, &status);
-    if (status != 0)
-        return sf_fail_status(err, at, status, "cannot be written");
+    TRY(sf_catalog_check(c, status, err));
     c->kept = rows;
     return sf_output_sync(&c->out, err);
 }

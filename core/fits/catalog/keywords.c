@@ -18,10 +18,7 @@ static void put_string(fitsfile *f, const char *key, const char *text, const cha
                        int *status) {
     char clean[1024]; /* FITS allows printable ASCII only */
     text_set(clean, sizeof clean, text);
-    for (char *c = clean; *c != '\0'; c++) {
-        if (*c < ' ' || *c > '~')
-            *c = '?';
-    }
+    sf_make_printable(clean);
     fits_write_key_longstr(f, key, clean, comment, status);
 }
 
@@ -141,76 +138,64 @@ void sf_catalog_write_result(fitsfile *f, const shear_plan *plan, const shear_re
     put_flag_legend(f, status);
 }
 
-typedef struct reading {
-    const sf_cards *cards;
-    int rc; /* of the first failure */
-    shear_error *err;
-} reading;
-
-static double get_double(reading *r, const char *key) {
-    double value = NAN;
-    bool found = false;
-    if (r->rc == SHEAR_OK)
-        r->rc = sf_key_double(r->cards, key, &value, &found, r->err);
-    return value;
+/* Read a number that is NaN if it is absent, and a count that is 0 then. */
+static int get_double(const sf_cards *cards, const char *key, double *out, shear_error *err) {
+    *out = NAN;
+    return sf_key_double(cards, key, out, err);
 }
 
-static int64_t get_integer(reading *r, const char *key, int64_t max) {
-    int64_t value = 0;
-    bool found = false;
-    if (r->rc == SHEAR_OK)
-        r->rc = sf_key_int(r->cards, key, 0, max, &value, &found, r->err);
-    return value;
+static int get_count(const sf_cards *cards, const char *key, int64_t *out, shear_error *err) {
+    const int64_t most = INT64_C(1) << 53; /* the largest integer that a double holds exactly */
+    *out = 0;
+    return sf_key_int(cards, key, 0, most, out, err);
 }
 
-static void get_name(reading *r, char out[72]) {
+static int get_name(const sf_cards *cards, char out[72], shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
-    if (r->rc == SHEAR_OK)
-        r->rc = sf_key_string(r->cards, "FIELD", &text, r->err);
-    if (r->rc == SHEAR_OK && text != NULL) {
-        r->rc =
-            sf_field_name_copy(out, text, SHEAR_E_FORMAT, r->cards->at, "keyword FIELD", r->err);
-    }
+    TRY(sf_key_string(cards, "FIELD", &text, err));
+    return text == NULL
+               ? SHEAR_OK
+               : sf_field_name_copy(out, text, SHEAR_E_FORMAT, cards->at, "keyword FIELD", err);
 }
 
 /* An unknown or missing name counts as the mean. */
-static enum shear_estimator get_estimator(reading *r) {
+static int get_estimator(const sf_cards *cards, enum shear_estimator *out, shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
-    if (r->rc == SHEAR_OK)
-        r->rc = sf_key_string(r->cards, "ESTIMAT", &text, r->err);
+    TRY(sf_key_string(cards, "ESTIMAT", &text, err));
     shear_settings settings;
     shear_settings_init(&settings);
     if (text != NULL)
         (void)shear_settings_set(&settings, "estimator", text, NULL);
-    return settings.estimator;
+    *out = settings.estimator;
+    return SHEAR_OK;
 }
 
-static void get_result(reading *r, shear_result *out) {
-    const int64_t most = INT64_C(1) << 53; /* the largest integer that a double holds exactly */
+static int get_result(const sf_cards *cards, shear_result *out, shear_error *err) {
+    int64_t groups = 0;
     *out = result_unknown();
     out->sum_weight = out->sum_d = NAN;
     for (int i = 0; i < N_NUMBERS; i++) {
         double *value = (void *)((char *)out + numbers[i].offset);
-        *value = get_double(r, numbers[i].key);
+        TRY(get_double(cards, numbers[i].key, value, err));
     }
     out->valid = isfinite(out->g1) && isfinite(out->g2);
-    out->jackknife = (int)get_integer(r, "NJACK", INT32_MAX);
-    out->estimator = get_estimator(r);
-    out->n_stamps = get_integer(r, "NSTAMPS", most);
-    out->n_used = get_integer(r, "NUSED", most);
-    out->n_flagged = get_integer(r, "NFLAGGED", most);
+    TRY(sf_key_int(cards, "NJACK", 0, INT32_MAX, &groups, err));
+    out->jackknife = (int)groups;
+    TRY(get_estimator(cards, &out->estimator, err));
+    TRY(get_count(cards, "NSTAMPS", &out->n_stamps, err));
+    TRY(get_count(cards, "NUSED", &out->n_used, err));
+    TRY(get_count(cards, "NFLAGGED", &out->n_flagged, err));
     for (int i = 0; i < SHEAR_N_FLAGS; i++)
-        out->flagged[i] = get_integer(r, sf_flag_keywords[i], most);
+        TRY(get_count(cards, sf_flag_keywords[i], &out->flagged[i], err));
+    return SHEAR_OK;
 }
 
 int sf_catalog_read_header(const sf_cards *cards, shear_catalog_table *t, shear_error *err) {
-    reading r = {.cards = cards, .err = err};
-    get_name(&r, t->field);
-    t->sim_g1 = get_double(&r, "SIM_G1");
-    t->sim_g2 = get_double(&r, "SIM_G2");
+    TRY(get_name(cards, t->field, err));
+    TRY(get_double(cards, "SIM_G1", &t->sim_g1, err));
+    TRY(get_double(cards, "SIM_G2", &t->sim_g2, err));
     t->has_truth = isfinite(t->sim_g1) && isfinite(t->sim_g2);
-    t->beta_px = get_double(&r, "BETA");
-    t->r_psf_px = get_double(&r, "R_PSF");
-    get_result(&r, &t->result);
-    return r.rc;
+    TRY(get_double(cards, "BETA", &t->beta_px, err));
+    TRY(get_double(cards, "R_PSF", &t->r_psf_px, err));
+    return get_result(cards, &t->result, err);
 }

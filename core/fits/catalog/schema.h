@@ -3,35 +3,31 @@
  * reader. */
 #pragma once
 
-#include "shear/stamp.h"
+#include "shear/field.h"
 
 #include <stddef.h>
 
 #define SF_CATALOG_HDU "SHEAR"
 
-/* Columns that are copied from the field file, if it has them: bits of enum shear_column. */
-enum { SF_CATALOG_COPIED = 5 };
-extern const unsigned sf_catalog_copied[SF_CATALOG_COPIED];
+/* Columns that are copied from the field file, if it has them: bits of enum shear_column. They are
+ * the first of the catalog, ID before the others. */
+enum {
+    SF_CATALOG_COPIED = SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y | SHEAR_COL_RA | SHEAR_COL_DEC
+};
 
-/* The columns that hold a double of the row. */
-enum { SF_CATALOG_MEMBERS = 17 };
+/* The columns that hold a member of the row: a double (form "D"), or an integer of 32 bits ("J").
+ */
+enum { SF_CATALOG_MEMBERS = 20 };
 typedef struct sf_member {
     const char *name;
-    size_t offset; /* of the double in shear_row */
+    const char *form;
+    size_t offset; /* in shear_row */
+    int64_t shift; /* of "J": the file has the integer plus this, */
+    int64_t most;  /* from `shift` up to this; anything else is read as 0 in the file */
     const char *unit;
     const char *comment;
 } sf_member;
 extern const sf_member sf_catalog_members[SF_CATALOG_MEMBERS];
-
-/* Columns of pixel coordinates, after FLAGS: they count from 1, 0 = none; the member counts from 0,
- * -1 = none. */
-enum { SF_CATALOG_PLACES = 2 };
-typedef struct sf_place_member {
-    const char *name;
-    size_t offset; /* of the int in shear_row */
-    const char *comment;
-} sf_place_member;
-extern const sf_place_member sf_catalog_places[SF_CATALOG_PLACES];
 
 /* NF_...: the number of rows that carry flag i. */
 extern const char *const sf_flag_keywords[SHEAR_N_FLAGS];

@@ -13,54 +13,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_COLUMNS = SF_CATALOG_COPIED + SF_CATALOG_MEMBERS + 1 + SF_CATALOG_PLACES };
-
-/* The table's columns while it is being created. */
-typedef struct layout {
-    int n;
-    char *names[MAX_COLUMNS], *forms[MAX_COLUMNS], *units[MAX_COLUMNS];
-    const char *comments[MAX_COLUMNS];
-} layout;
-
-static void add(layout *l, const char *name, const char *form, const char *unit,
-                const char *comment) {
-    l->names[l->n] = (char *)name; /* CFITSIO does not write to them */
-    l->forms[l->n] = (char *)form;
-    l->units[l->n] = (char *)unit;
-    l->comments[l->n++] = comment;
-}
-
-static const sf_column_def *copied(int i) {
-    return &sf_column_defs[__builtin_ctz(sf_catalog_copied[i])];
-}
-
-static void lay_out(layout *l, unsigned columns) {
-    l->n = 0;
-    for (int i = 0; i < SF_CATALOG_COPIED; i++) {
-        const sf_column_def *def = copied(i);
-        if ((columns & def->bit) != 0)
-            add(l, def->name, def->form, def->unit, def->comment);
-    }
+static sf_layout lay_out(unsigned columns) {
+    sf_layout l = {0};
+    sf_layout_add_columns(&l, columns & SF_CATALOG_COPIED);
     for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
         const sf_member *m = &sf_catalog_members[i];
-        add(l, m->name, "D", m->unit, m->comment);
+        sf_layout_add(&l, m->name, m->form, m->unit, m->comment);
     }
-    add(l, "FLAGS", "J", "", "why it is left out; 0 = in the sums");
-    for (int i = 0; i < SF_CATALOG_PLACES; i++)
-        add(l, sf_catalog_places[i].name, "J", "pixel", sf_catalog_places[i].comment);
+    return l;
 }
 
-static int check(const shear_catalog *c, int status, shear_error *err) {
-    return status == 0 ? SHEAR_OK
-                       : sf_fail_status(err, (sf_place){c->out.name, SF_CATALOG_HDU}, status,
-                                        "cannot be written");
+int sf_catalog_check(const shear_catalog *c, int status, shear_error *err) {
+    return sf_check_status(err, (sf_place){c->out.name, SF_CATALOG_HDU}, status,
+                           "cannot be written");
 }
 
 bool sf_catalog_has_columns(shear_catalog *c) {
     int status = 0;
     int n = 0;
-    layout l;
-    lay_out(&l, c->columns);
+    sf_layout l = lay_out(c->columns);
     fits_get_num_cols(c->out.fits, &n, &status);
     bool same = status == 0 && n == l.n;
     for (int i = 0; i < l.n && same; i++) {
@@ -76,8 +47,7 @@ int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, cons
                             shear_error *err) {
     fitsfile *f = c->out.fits;
     int status = 0;
-    layout l;
-    lay_out(&l, c->columns);
+    sf_layout l = lay_out(c->columns);
     fits_create_img(f, BYTE_IMG, 0, NULL, &status);
     fits_create_tbl(f, BINARY_TBL, c->n, l.n, l.names, l.forms, l.units, SF_CATALOG_HDU, &status);
     for (int i = 0; i < l.n; i++) {
@@ -95,7 +65,7 @@ int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, cons
         fits_write_key_lng(f, SF_KEPT_ROWS, 0, "unfinished: rows that are on disk", &status);
     }
     fits_set_hdrsize(f, SF_CATALOG_CARDS, &status);
-    return check(c, status, err);
+    return sf_catalog_check(c, status, err);
 }
 
 int sf_catalog_new(shear_catalog **catalog, const char *path, const shear_field_info *info,
@@ -125,14 +95,6 @@ int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_
     return SHEAR_OK;
 }
 
-static int reserve(shear_catalog *c, int count, shear_error *err) {
-    size_t capacity = c->capacity;
-    return ARRAY_RESERVE_EXACT(c->values, capacity, (size_t)count) &&
-                   ARRAY_RESERVE_EXACT(c->flags, c->capacity, (size_t)count)
-               ? SHEAR_OK
-               : sf_fail_memory(err, (sf_place){c->out.name, NULL});
-}
-
 /* Write ids in their stored form: CFITSIO would convert them through doubles if TZERO is not 0. */
 static void write_ids(shear_catalog *c, int64_t first, int count, const int64_t *ids, int *status) {
     LONGLONG *stored = (LONGLONG *)(void *)c->values;
@@ -146,41 +108,37 @@ static void write_ids(shear_catalog *c, int64_t first, int count, const int64_t 
 /* Write the columns copied from the field file, which come first. Return their number. */
 static int write_copied(shear_catalog *c, int64_t first, int count, const shear_block *b,
                         int *status) {
-    const double *const doubles[SF_CATALOG_COPIED] = {NULL, b->x, b->y, b->ra, b->dec};
     int column = 0;
-    for (int i = 0; i < SF_CATALOG_COPIED; i++) {
-        if ((c->columns & sf_catalog_copied[i]) == 0)
+    for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
+        if ((c->columns & SF_CATALOG_COPIED & def->bit) == 0)
             continue;
         column++;
-        if (sf_catalog_copied[i] == SHEAR_COL_ID) {
+        if (def->bit == SHEAR_COL_ID) {
             write_ids(c, first, count, b->id, status);
         } else {
-            fits_write_col(c->out.fits, TDOUBLE, column, first + 1, 1, count, (void *)doubles[i],
-                           status);
+            fits_write_col(c->out.fits, TDOUBLE, column, first + 1, 1, count,
+                           sf_column_array(b, def->in_block), status);
         }
     }
     return column;
 }
 
-static void write_members(shear_catalog *c, int64_t first, int count, const shear_row *rows,
-                          int column, int *status) {
-    for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
-        const size_t offset = sf_catalog_members[i].offset;
-        for (int k = 0; k < count; k++)
-            memcpy(&c->values[k], (const char *)&rows[k] + offset, sizeof(double));
-        fits_write_col(c->out.fits, TDOUBLE, ++column, first + 1, 1, count, c->values, status);
-    }
-    for (int k = 0; k < count; k++)
-        c->flags[k] = (int32_t)rows[k].flags;
-    fits_write_col(c->out.fits, TINT, ++column, first + 1, 1, count, c->flags, status);
-    for (int i = 0; i < SF_CATALOG_PLACES; i++) {
-        for (int k = 0; k < count; k++) {
-            int place;
-            memcpy(&place, (const char *)&rows[k] + sf_catalog_places[i].offset, sizeof place);
-            c->flags[k] = place + 1;
+static void write_member(shear_catalog *c, int64_t first, int count, const shear_row *rows,
+                         const sf_member *m, int column, int *status) {
+    const bool real = m->form[0] == 'D';
+    int32_t *integers = (int32_t *)(void *)c->values;
+    for (int k = 0; k < count; k++) {
+        const char *member = (const char *)&rows[k] + m->offset;
+        int32_t integer = 0;
+        if (real) {
+            memcpy(&c->values[k], member, sizeof(double));
+        } else {
+            memcpy(&integer, member, sizeof integer);
+            integers[k] = integer + (int32_t)m->shift;
         }
-        fits_write_col(c->out.fits, TINT, ++column, first + 1, 1, count, c->flags, status);
     }
+    fits_write_col(c->out.fits, real ? TDOUBLE : TINT, column, first + 1, 1, count, c->values,
+                   status);
 }
 
 int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_row *rows,
@@ -190,11 +148,13 @@ int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_
                        "%d rows from %lld on were written, but there are %lld", count,
                        (long long)first, (long long)c->n);
     }
-    TRY(reserve(c, count, err));
+    if (!ARRAY_RESERVE_EXACT(c->values, c->capacity, (size_t)count))
+        return sf_fail_memory(err, (sf_place){c->out.name, NULL});
     int status = 0;
-    const int column = write_copied(c, first, count, block, &status);
-    write_members(c, first, count, rows, column, &status);
-    TRY(check(c, status, err));
+    int column = write_copied(c, first, count, block, &status);
+    for (int i = 0; i < SF_CATALOG_MEMBERS; i++)
+        write_member(c, first, count, rows, &sf_catalog_members[i], ++column, &status);
+    TRY(sf_catalog_check(c, status, err));
     sf_bitset_add(&c->written, first, count);
     return SHEAR_OK;
 }
@@ -217,7 +177,7 @@ static int complete(shear_catalog *c, const shear_plan *plan, const shear_result
     }
     remove_kept_keys(c->out.fits);
     sf_catalog_write_result(c->out.fits, plan, result, input_name, checksum, &status);
-    return check(c, status, err);
+    return sf_catalog_check(c, status, err);
 }
 
 int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
@@ -233,6 +193,5 @@ void shear_catalog_abort(shear_catalog *c) {
     sf_output_discard(&c->out);
     sf_bitset_deinit(&c->written);
     free(c->values);
-    free(c->flags);
     free(c);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Allocate a shear_block: memory for stamps, one allocation laid out as arrays. */
-#include "shear/field.h"
+#include "fits/field/columns.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,20 +20,13 @@ static void *place(char *base, size_t *at, size_t bytes) {
 
 static void place_columns(shear_block *b, unsigned columns, char *base, size_t *at) {
     const size_t n = (size_t)b->capacity;
-    const struct {
-        unsigned column;
-        double **array;
-    } doubles[] = {{SHEAR_COL_X, &b->x},           {SHEAR_COL_Y, &b->y},
-                   {SHEAR_COL_RA, &b->ra},         {SHEAR_COL_DEC, &b->dec},
-                   {SHEAR_COL_WEIGHT, &b->weight}, {SHEAR_COL_R_GAL, &b->r_gal}};
-    for (size_t i = 0; i < sizeof doubles / sizeof doubles[0]; i++) {
-        if ((columns & doubles[i].column) != 0)
-            *doubles[i].array = place(base, at, n * sizeof(double));
+    for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
+        if ((columns & def->bit) != 0 && def->in_block != 0) {
+            const size_t size = def->form[0] == 'J' ? sizeof(int32_t) : sizeof(int64_t);
+            void *array = place(base, at, n * size);
+            memcpy((char *)b + def->in_block, &array, sizeof array);
+        }
     }
-    if ((columns & SHEAR_COL_ID) != 0)
-        b->id = place(base, at, n * sizeof *b->id);
-    if ((columns & SHEAR_COL_FLAGS) != 0)
-        b->mask = place(base, at, n * sizeof *b->mask);
 }
 
 /* Lay the arrays out and return their size. Sides are at most 4096, noise stamps at most 64 per

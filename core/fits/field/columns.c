@@ -5,19 +5,50 @@
 #include "base/cleanup.h"
 
 #include <assert.h>
+#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* The members of shear_catalog_columns and of shear_block that hold a column. */
+#define ARRAYS(in_rows, in_block)                                                                  \
+    offsetof(shear_catalog_columns, in_rows), offsetof(shear_block, in_block)
 
 const sf_column_def sf_column_defs[SF_COLUMNS] = {
-    {"ID", SHEAR_COL_ID, "K", "", "the galaxy's number"},
-    {"X", SHEAR_COL_X, "D", "pixel", "position in the exposure"},
-    {"Y", SHEAR_COL_Y, "D", "pixel", "position in the exposure"},
-    {"RA", SHEAR_COL_RA, "D", "deg", "right ascension"},
-    {"DEC", SHEAR_COL_DEC, "D", "deg", "declination"},
-    {"WEIGHT", SHEAR_COL_WEIGHT, "D", "", "weight in the field's sums"},
-    {"PSF_ID", SHEAR_COL_PSF_ID, "J", "", "which image of HDU PSF, from 0"},
-    {"R_GAL", SHEAR_COL_R_GAL, "D", "pixel", "scale radius R_G for the filter"},
-    {"FLAGS", SHEAR_COL_FLAGS, "J", "", "non-zero = leave the stamp out"},
+    {"ID", SHEAR_COL_ID, "K", "", "the galaxy's number", ARRAYS(id, id), -1},
+    {"X", SHEAR_COL_X, "D", "pixel", "position in the exposure", ARRAYS(x, x), 0},
+    {"Y", SHEAR_COL_Y, "D", "pixel", "position in the exposure", ARRAYS(y, y), 0},
+    {"RA", SHEAR_COL_RA, "D", "deg", "right ascension", ARRAYS(ra, ra), 0},
+    {"DEC", SHEAR_COL_DEC, "D", "deg", "declination", ARRAYS(dec, dec), 0},
+    {"WEIGHT", SHEAR_COL_WEIGHT, "D", "", "weight in the field's sums", ARRAYS(weight, weight), 0},
+    {"PSF_ID", SHEAR_COL_PSF_ID, "J", "", "which image of HDU PSF, from 0",
+     offsetof(shear_catalog_columns, psf_id), 0, -1},
+    {"R_GAL", SHEAR_COL_R_GAL, "D", "pixel", "scale radius R_G for the filter",
+     ARRAYS(r_gal, r_gal), 0},
+    {"FLAGS", SHEAR_COL_FLAGS, "J", "", "non-zero = leave the stamp out", ARRAYS(flags, mask),
+     1}, /* a stamp whose flag is undefined is left out */
 };
+
+void *sf_column_array(const void *arrays, size_t offset) {
+    void *array = NULL; /* copied: a pointer to another type must not be read as a void pointer */
+    memcpy(&array, (const char *)arrays + offset, sizeof array);
+    return array;
+}
+
+void sf_layout_add(sf_layout *l, const char *name, const char *form, const char *unit,
+                   const char *comment) {
+    assert(l->n < SF_LAYOUT_MAX);
+    l->names[l->n] = (char *)name; /* CFITSIO does not write to them */
+    l->forms[l->n] = (char *)form;
+    l->units[l->n] = (char *)unit;
+    l->comments[l->n++] = comment;
+}
+
+void sf_layout_add_columns(sf_layout *l, unsigned columns) {
+    for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
+        if ((columns & def->bit) != 0)
+            sf_layout_add(l, def->name, def->form, def->unit, def->comment);
+    }
+}
 
 static int check_table(const sf_hdu *hdu, sf_place at, int64_t rows, shear_error *err) {
     if (hdu->ztable || hdu->zimage) {
@@ -41,12 +72,12 @@ int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_erro
     const sf_place at = {part->file->source.name, part->label};
     TRY(check_table(part->hdu, at, rows, err));
     TRY(sf_cards_init(&c->cards, part->file, part->hdu, part->label, err));
-    int rc = sf_table_init(&c->table, part->file, part->hdu, &c->cards, err);
-    for (int i = 0; rc == SHEAR_OK && i < SF_COLUMNS; i++) {
-        rc = sf_table_find_number(&c->table, sf_column_defs[i].name, &c->column[i], err);
-        c->have |= rc == SHEAR_OK && c->column[i] != NULL ? sf_column_defs[i].bit : 0u;
+    TRY(sf_table_init(&c->table, part->file, part->hdu, &c->cards, err));
+    for (int i = 0; i < SF_COLUMNS; i++) {
+        TRY(sf_table_find_number(&c->table, sf_column_defs[i].name, &c->column[i], err));
+        c->have |= c->column[i] != NULL ? sf_column_defs[i].bit : 0u;
     }
-    return rc;
+    return SHEAR_OK;
 }
 
 void sf_columns_deinit(sf_columns *c) {
@@ -56,29 +87,28 @@ void sf_columns_deinit(sf_columns *c) {
     c->scratch = NULL;
 }
 
-static const sf_column *column_of(const sf_columns *c, unsigned bit) {
-    assert((c->have & bit) != 0);
-    return c->column[__builtin_ctz(bit)];
-}
-
-int sf_columns_read_double(sf_columns *c, unsigned bit, int64_t first, int64_t count, double *out,
-                           shear_error *err) {
-    return sf_table_doubles(&c->table, column_of(c, bit), first, count, out, err);
-}
-
-int sf_columns_read_int64(sf_columns *c, unsigned bit, int64_t first, int64_t count,
-                          int64_t undefined, int64_t *out, shear_error *err) {
-    return sf_table_integers(&c->table, column_of(c, bit), first, count, undefined, out, err);
-}
-
-int sf_columns_read_int32(sf_columns *c, unsigned bit, int64_t first, int64_t count,
-                          int32_t undefined, int32_t *out, shear_error *err) {
+static int read_int32(sf_columns *c, const sf_column *column, int64_t first, int64_t count,
+                      int64_t undefined, int32_t *out, shear_error *err) {
     if (!ARRAY_RESERVE_EXACT(c->scratch, c->capacity, (size_t)count))
         return sf_fail_memory(err, c->cards.at);
-    const int rc = sf_columns_read_int64(c, bit, first, count, undefined, c->scratch, err);
-    for (int64_t i = 0; rc == SHEAR_OK && i < count; i++) {
+    TRY(sf_table_integers(&c->table, column, first, count, undefined, c->scratch, err));
+    for (int64_t i = 0; i < count; i++) {
         const int64_t v = c->scratch[i];
         out[i] = v > INT32_MAX ? INT32_MAX : v < INT32_MIN ? INT32_MIN : (int32_t)v;
     }
-    return rc;
+    return SHEAR_OK;
+}
+
+int sf_columns_read(sf_columns *c, const sf_column_def *def, int64_t first, int64_t count,
+                    void *out, shear_error *err) {
+    const sf_column *column = c->column[def - sf_column_defs];
+    assert(column != NULL);
+    switch (def->form[0]) {
+    case 'D':
+        return sf_table_doubles(&c->table, column, first, count, out, err);
+    case 'K':
+        return sf_table_integers(&c->table, column, first, count, def->undefined, out, err);
+    default:
+        return read_int32(c, column, first, count, def->undefined, out, err);
+    }
 }

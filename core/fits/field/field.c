@@ -30,8 +30,8 @@ static void fill_info(shear_field *f) {
     info->noise_planes = (int)(f->noise.n / f->galaxy.n);
     info->layout = f->galaxy.layout;
     info->columns = f->catalog.have;
-    info->id_unsigned = (f->catalog.have & SHEAR_COL_ID) != 0 &&
-                        sf_column_is_unsigned(f->catalog.column[__builtin_ctz(SHEAR_COL_ID)]);
+    const sf_column *id = f->catalog.column[__builtin_ctz(SHEAR_COL_ID)];
+    info->id_unsigned = id != NULL && id->by.is_unsigned;
     info->bitpix = f->galaxy.image.bitpix;
     info->compressed = f->galaxy.image.compressed;
     info->separate = !sf_parts_are_whole(&f->parts);
@@ -48,7 +48,7 @@ static void fill_info(shear_field *f) {
 static int open_primary(shear_field *f, shear_error *err) {
     const sf_file *file = f->parts.of[SHEAR_PART_GALAXY].file;
     CLEANUP(sf_cards_deinit) sf_cards primary;
-    TRY(sf_cards_init(&primary, file, &file->index.hdus[0], "primary", err));
+    TRY(sf_cards_init(&primary, file, &file->hdus[0], "primary", err));
     return sf_field_read_keys(f, &primary, err);
 }
 

@@ -38,40 +38,31 @@ static int read_name(shear_field *f, const sf_cards *primary, shear_error *err) 
 }
 
 static int read_pixscale(shear_field *f, const sf_cards *primary, shear_error *err) {
-    bool found = false;
-    f->info.pixscale = NAN;
-    const int rc = sf_key_double(primary, "PIXSCALE", &f->info.pixscale, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    if (found && f->info.pixscale <= 0.0) {
-        return sf_fail(err, SHEAR_E_FORMAT, primary->at, "give arcseconds per pixel",
-                       "keyword PIXSCALE is %g, but must be positive", f->info.pixscale);
-    }
-    return rc;
+    double *pixscale = &f->info.pixscale;
+    *pixscale = NAN;
+    TRY(sf_key_double(primary, "PIXSCALE", pixscale, err));
+    return !(*pixscale <= 0.0)
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, primary->at, "give arcseconds per pixel",
+                         "keyword PIXSCALE is %g, but must be positive", *pixscale);
 }
 
-static int read_shear(const sf_cards *primary, const char *key, double *g, bool *found,
-                      shear_error *err) {
+static int read_shear(const sf_cards *primary, const char *key, double *g, shear_error *err) {
     *g = NAN;
-    const int rc = sf_key_double(primary, key, g, found, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    if (*found && fabs(*g) >= 1.0) {
-        return sf_fail(err, SHEAR_E_FORMAT, primary->at, NULL,
-                       "keyword %s is %g, but a shear lies between -1 and 1", key, *g);
-    }
-    return rc;
+    TRY(sf_key_double(primary, key, g, err));
+    return !(fabs(*g) >= 1.0)
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, primary->at, NULL,
+                         "keyword %s is %g, but a shear lies between -1 and 1", key, *g);
 }
 
 int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err) {
-    bool has_g1 = false;
-    bool has_g2 = false;
     TRY(read_name(f, primary, err));
     TRY(read_pixscale(f, primary, err));
-    TRY(read_shear(primary, "SIM_G1", &f->info.sim_g1, &has_g1, err));
-    int rc = read_shear(primary, "SIM_G2", &f->info.sim_g2, &has_g2, err);
-    f->info.has_truth = has_g1 && has_g2;
-    return rc;
+    TRY(read_shear(primary, "SIM_G1", &f->info.sim_g1, err));
+    TRY(read_shear(primary, "SIM_G2", &f->info.sim_g2, err));
+    f->info.has_truth = !isnan(f->info.sim_g1) && !isnan(f->info.sim_g2);
+    return SHEAR_OK;
 }
 
 int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err) {
@@ -84,10 +75,7 @@ int shear_field_need_name(const shear_field_info *info, const char *path, shear_
     sf_printable_name(shown, sizeof shown, path);
     sf_field_name_default(base, sizeof base, slash != NULL ? slash + 1 : path);
     const sf_place at = {shown, "primary"};
-    const int rc =
-        sf_field_name_copy(unused, base, SHEAR_E_FORMAT, at, "from the file's name", err);
-    return rc != SHEAR_OK
-               ? rc
-               : sf_fail(err, SHEAR_E_FORMAT, at, "give the keyword FIELD in the primary header",
-                         "the field has no name");
+    TRY(sf_field_name_copy(unused, base, SHEAR_E_FORMAT, at, "from the file's name", err));
+    return sf_fail(err, SHEAR_E_FORMAT, at, "give the keyword FIELD in the primary header",
+                   "the field has no name");
 }

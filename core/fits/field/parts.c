@@ -35,7 +35,7 @@ static int open_file(sf_parts *p, const char *path, int fd, const sf_file **file
     sf_file *f = &p->files[p->n_files];
     p->n_files++; /* so that it is closed, also after an error */
     *file = f;
-    return fd >= 0 ? sf_file_open_fd(f, fd, path, err) : sf_file_open(f, path, err);
+    return sf_file_open(f, path, fd, err);
 }
 
 /* ---- HDUs ---- */
@@ -46,63 +46,52 @@ static bool holds(const sf_hdu *hdu, int part) {
     return hdu->kind == SF_TABLE ? hdu->zimage : hdu->kind == SF_IMAGE && hdu->naxis > 0;
 }
 
-static int find_number(const sf_hdu_index *s, int64_t number, const sf_hdu **hdu,
-                       shear_error *err) {
-    if (number >= s->count) {
-        return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL},
+static int find_number(const sf_file *f, int64_t number, const sf_hdu **hdu, shear_error *err) {
+    if (number >= f->count) {
+        return sf_fail(err, SHEAR_E_FORMAT, (sf_place){f->source.name, NULL},
                        "HDUs are counted from 0, the primary; or give the EXTNAME",
-                       "has no HDU number %lld (its last is %d)", (long long)number, s->count - 1);
+                       "has no HDU number %lld (its last is %d)", (long long)number, f->count - 1);
     }
-    *hdu = &s->hdus[number];
+    *hdu = &f->hdus[number];
     return SHEAR_OK;
 }
 
-static int find_default(const sf_hdu_index *s, int part, const sf_hdu **hdu, shear_error *err) {
-    TRY(sf_hdu_index_find(s, extnames[part], false, hdu, err));
-    for (int i = 0; *hdu == NULL && i < s->count; i++) {
-        if (holds(&s->hdus[i], part))
-            *hdu = &s->hdus[i];
+static int find_default(const sf_file *f, int part, const sf_hdu **hdu, shear_error *err) {
+    TRY(sf_file_find(f, extnames[part], false, hdu, err));
+    for (int i = 0; *hdu == NULL && i < f->count; i++) {
+        if (holds(&f->hdus[i], part))
+            *hdu = &f->hdus[i];
     }
     return *hdu != NULL ? SHEAR_OK
-                        : sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL}, NULL,
+                        : sf_fail(err, SHEAR_E_FORMAT, (sf_place){f->source.name, NULL}, NULL,
                                   "has no HDU that holds %s",
                                   part == SHEAR_PART_CATALOG ? "a binary table" : "an image");
 }
 
-static void label(sf_part *part) {
-    const sf_hdu *hdu = part->hdu;
-    if (hdu->name[0] != '\0') {
-        text_set(part->label, sizeof part->label, hdu->name);
+static int choose(sf_part *part, int i, const shear_input_part *wanted, shear_error *err) {
+    if (wanted->extname != NULL) {
+        TRY(sf_file_find(part->file, wanted->extname, true, &part->hdu, err));
     } else {
-        snprintf(part->label, sizeof part->label, "%d (from 0)", hdu->number);
+        TRY(wanted->hdu >= 0 ? find_number(part->file, wanted->hdu, &part->hdu, err)
+                             : find_default(part->file, i, &part->hdu, err));
     }
-}
-
-static int find_wanted(const sf_hdu_index *s, int i, const shear_input_part *wanted,
-                       const sf_hdu **hdu, shear_error *err) {
-    if (wanted->extname != NULL)
-        return sf_hdu_index_find(s, wanted->extname, true, hdu, err);
-    return wanted->hdu >= 0 ? find_number(s, wanted->hdu, hdu, err) : find_default(s, i, hdu, err);
-}
-
-static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_error *err) {
-    TRY(find_wanted(&p->of[i].file->index, i, wanted, &p->of[i].hdu, err));
-    label(&p->of[i]);
+    text_set(part->label, sizeof part->label, part->hdu->name);
+    if (part->label[0] == '\0')
+        snprintf(part->label, sizeof part->label, "%d (from 0)", part->hdu->number);
     return SHEAR_OK;
 }
 
 /* Choose the HDU with the part's standard name. A missing HDU is reported later, by
  * sf_part_require. */
-static int choose_by_name(sf_parts *p, int i, const sf_file *file, shear_error *err) {
-    p->of[i].file = file;
-    text_set(p->of[i].label, sizeof p->of[i].label, extnames[i]);
-    return sf_hdu_index_find(&file->index, extnames[i], false, &p->of[i].hdu, err);
+static int choose_by_name(sf_part *part, int i, const sf_file *file, shear_error *err) {
+    part->file = file;
+    text_set(part->label, sizeof part->label, extnames[i]);
+    return sf_file_find(file, extnames[i], false, &part->hdu, err);
 }
 
 int sf_part_require(const sf_part *part, shear_error *err) {
     const sf_hdu *hdu = part->hdu;
-    return hdu != NULL ? SHEAR_OK
-                       : sf_hdu_index_find(&part->file->index, part->label, true, &hdu, err);
+    return hdu != NULL ? SHEAR_OK : sf_file_find(part->file, part->label, true, &hdu, err);
 }
 
 /* Refuse one image for two parts: the galaxies minus themselves have no power. */
@@ -122,10 +111,10 @@ static int check_distinct(const sf_parts *p, shear_error *err) {
 
 static int init_whole(sf_parts *p, const char *path, int fd, shear_error *err) {
     const sf_file *file = NULL;
-    int rc = open_file(p, path, fd, &file, err);
-    for (int i = 0; i < SHEAR_N_PARTS && rc == SHEAR_OK; i++)
-        rc = choose_by_name(p, i, file, err);
-    return rc;
+    TRY(open_file(p, path, fd, &file, err));
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
+        TRY(choose_by_name(&p->of[i], i, file, err));
+    return SHEAR_OK;
 }
 
 static int missing(int part, shear_error *err) {
@@ -135,21 +124,21 @@ static int missing(int part, shear_error *err) {
 
 static int init_part(sf_parts *p, int i, const shear_input_part *wanted, int fd, shear_error *err) {
     if (wanted->path == NULL) {
-        return i == SHEAR_PART_CATALOG ? choose_by_name(p, i, p->of[SHEAR_PART_GALAXY].file, err)
-                                       : missing(i, err);
+        return i == SHEAR_PART_CATALOG
+                   ? choose_by_name(&p->of[i], i, p->of[SHEAR_PART_GALAXY].file, err)
+                   : missing(i, err);
     }
-    const int rc = open_file(p, wanted->path, fd, &p->of[i].file, err);
-    return rc == SHEAR_OK ? choose(p, i, wanted, err) : rc;
+    TRY(open_file(p, wanted->path, fd, &p->of[i].file, err));
+    return choose(&p->of[i], i, wanted, err);
 }
 
 int sf_parts_init(sf_parts *p, const shear_input *input, const int *fds, shear_error *err) {
     *p = (sf_parts){0};
     if (input->path != NULL)
         return init_whole(p, input->path, fds != NULL ? fds[0] : -1, err);
-    int rc = SHEAR_OK;
-    for (int i = 0; i < SHEAR_N_PARTS && rc == SHEAR_OK; i++)
-        rc = init_part(p, i, &input->parts[i], fds != NULL ? fds[i] : -1, err);
-    return rc == SHEAR_OK ? check_distinct(p, err) : rc;
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
+        TRY(init_part(p, i, &input->parts[i], fds != NULL ? fds[i] : -1, err));
+    return check_distinct(p, err);
 }
 
 void sf_parts_deinit(sf_parts *p) {
@@ -162,7 +151,7 @@ bool sf_parts_are_whole(const sf_parts *p) {
     bool whole = p->n_files == 1;
     for (int i = 0; i < SHEAR_N_PARTS && whole; i++) {
         const sf_hdu *hdu = NULL;
-        whole = sf_hdu_index_find(&p->files[0].index, extnames[i], false, &hdu, NULL) == SHEAR_OK &&
+        whole = sf_file_find(&p->files[0], extnames[i], false, &hdu, NULL) == SHEAR_OK &&
                 hdu == p->of[i].hdu;
     }
     return whole;

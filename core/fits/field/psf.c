@@ -16,27 +16,23 @@ static int check_sides(const shear_field *f, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Read OVERSAMP from the primary header of the PSFs' file. */
-static int read_primary(const sf_file *file, int64_t *oversample, shear_error *err) {
-    CLEANUP(sf_cards_deinit) sf_cards primary;
-    bool found = false;
-    const int rc = sf_cards_init(&primary, file, &file->index.hdus[0], "primary", err);
-    return rc != SHEAR_OK
-               ? rc
-               : sf_key_int(&primary, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
+static int find_oversampling(const sf_cards *cards, int64_t *oversample, shear_error *err) {
+    return sf_key_int(cards, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, err);
 }
 
 /* Read OVERSAMP: from the PSFs' HDU, else the primary header, else 1. */
 static int read_oversampling(shear_field *f, shear_error *err) {
-    int64_t oversample = 1;
-    bool found = false;
-    int rc = sf_key_int(&f->psf.cards, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, &oversample, &found, err);
-    if (rc != SHEAR_OK)
-        return rc;
-    if (!found)
-        rc = read_primary(f->parts.of[SHEAR_PART_PSF].file, &oversample, err);
+    const sf_file *file = f->parts.of[SHEAR_PART_PSF].file;
+    CLEANUP(sf_cards_deinit) sf_cards primary = {0};
+    int64_t oversample = SF_ABSENT;
+    TRY(find_oversampling(&f->psf.cards, &oversample, err));
+    if (oversample == SF_ABSENT) {
+        oversample = 1;
+        TRY(sf_cards_init(&primary, file, &file->hdus[0], "primary", err));
+        TRY(find_oversampling(&primary, &oversample, err));
+    }
     f->info.geometry.psf_oversample = (int)oversample;
-    return rc;
+    return SHEAR_OK;
 }
 
 static int assign(shear_field *f, shear_error *err) {

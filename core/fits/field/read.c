@@ -49,12 +49,12 @@ static int locate_psf(shear_field *f, int64_t id, shear_block *block, int32_t *i
 
 static int read_psf_by_id(shear_field *f, int64_t first, int count, shear_block *block,
                           shear_error *err) {
+    const sf_column_def *def = &sf_column_defs[__builtin_ctz(SHEAR_COL_PSF_ID)];
     block->stamps.n_psf = 0;
-    int rc = sf_columns_read_int32(&f->catalog, SHEAR_COL_PSF_ID, first, count, -1,
-                                   block->psf_index, err);
-    for (int i = 0; rc == SHEAR_OK && i < count; i++)
-        rc = locate_psf(f, block->psf_index[i], block, &block->psf_index[i], err);
-    return rc;
+    TRY(sf_columns_read(&f->catalog, def, first, count, block->psf_index, err));
+    for (int i = 0; i < count; i++)
+        TRY(locate_psf(f, block->psf_index[i], block, &block->psf_index[i], err));
+    return SHEAR_OK;
 }
 
 static int read_psf(shear_field *f, int64_t first, int count, shear_block *block,
@@ -72,31 +72,13 @@ static int read_psf(shear_field *f, int64_t first, int count, shear_block *block
 
 static int read_catalog(shear_field *f, int64_t first, int count, shear_block *block,
                         shear_error *err) {
-    const struct {
-        unsigned bit;
-        double *out;
-    } doubles[] = {{SHEAR_COL_X, block->x},           {SHEAR_COL_Y, block->y},
-                   {SHEAR_COL_RA, block->ra},         {SHEAR_COL_DEC, block->dec},
-                   {SHEAR_COL_WEIGHT, block->weight}, {SHEAR_COL_R_GAL, block->r_gal}};
-    for (size_t i = 0; i < sizeof doubles / sizeof doubles[0]; i++) {
-        const unsigned bit = doubles[i].bit;
-        const int rc =
-            (f->info.columns & bit) == 0
-                ? SHEAR_OK
-                : sf_columns_read_double(&f->catalog, bit, first, count, doubles[i].out, err);
-        if (rc != SHEAR_OK)
-            return rc;
+    for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
+        if ((f->info.columns & def->bit) != 0 && def->in_block != 0) {
+            TRY(sf_columns_read(&f->catalog, def, first, count,
+                                sf_column_array(block, def->in_block), err));
+        }
     }
-    if ((f->info.columns & SHEAR_COL_ID) != 0) {
-        const int rc =
-            sf_columns_read_int64(&f->catalog, SHEAR_COL_ID, first, count, -1, block->id, err);
-        if (rc != SHEAR_OK)
-            return rc;
-    }
-    if ((f->info.columns & SHEAR_COL_FLAGS) == 0)
-        return SHEAR_OK;
-    /* A stamp whose flag is undefined is left out. */
-    return sf_columns_read_int32(&f->catalog, SHEAR_COL_FLAGS, first, count, 1, block->mask, err);
+    return SHEAR_OK;
 }
 
 int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,

@@ -45,23 +45,23 @@ static int lay_out_mosaic(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err
     s->columns = axes[0] / nx;
     const int64_t most = s->columns * (axes[1] / ny);
     s->n = most;
-    bool found = false;
-    return sf_key_int(&s->image.cards, "NSTAMP", 1, most, &s->n, &found, err);
+    return sf_key_int(&s->image.cards, "NSTAMP", 1, most, &s->n, err);
 }
 
 static int lay_out(sf_stamps *s, shear_error *err) {
     const sf_image *image = &s->image;
-    int64_t nx = image->axes[0];
-    int64_t ny = image->axes[1];
-    bool has_nx = false;
-    bool has_ny = false;
-    TRY(sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, &nx, &has_nx, err));
-    TRY(sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, &has_ny, err));
-    if (has_nx != has_ny) {
+    int64_t nx = SF_ABSENT;
+    int64_t ny = SF_ABSENT;
+    TRY(sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, &nx, err));
+    TRY(sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, err));
+    const bool has_nx = nx != SF_ABSENT;
+    if (has_nx != (ny != SF_ABSENT)) {
         return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, "give both, or neither",
                        "it has the keyword %s without %s", has_nx ? "STAMPNX" : "STAMPNY",
                        has_nx ? "STAMPNY" : "STAMPNX");
     }
+    nx = has_nx ? nx : image->axes[0];
+    ny = has_nx ? ny : image->axes[1];
     TRY(check_sides(s, nx, ny, err));
     s->nx = (int)nx;
     s->ny = (int)ny;
@@ -90,14 +90,14 @@ static int read_run(sf_stamps *s, int64_t first, int64_t count, double *out, she
     const int64_t size[SF_AXES] = {row, s->ny, 1};
     if (!ARRAY_RESERVE_EXACT(s->scratch, s->capacity, (size_t)(row * s->ny)))
         return sf_fail_memory(err, s->image.cards.at);
-    const int rc = sf_image_read(&s->image, low, size, s->scratch, err);
-    for (int64_t i = 0; rc == SHEAR_OK && i < count; i++) {
+    TRY(sf_image_read(&s->image, low, size, s->scratch, err));
+    for (int64_t i = 0; i < count; i++) {
         for (int64_t y = 0; y < s->ny; y++) {
             memcpy(out + (i * s->ny + y) * s->nx, s->scratch + y * row + i * s->nx,
                    (size_t)s->nx * sizeof *out);
         }
     }
-    return rc;
+    return SHEAR_OK;
 }
 
 int sf_stamps_read(sf_stamps *s, int64_t first, int64_t count, double *out, shear_error *err) {
@@ -107,12 +107,11 @@ int sf_stamps_read(sf_stamps *s, int64_t first, int64_t count, double *out, shea
         const int64_t size[SF_AXES] = {s->nx, s->ny, count};
         return sf_image_read(&s->image, low, size, out, err);
     }
-    int rc = SHEAR_OK;
-    for (int64_t done = 0; rc == SHEAR_OK && done < count;) {
+    for (int64_t done = 0; done < count;) {
         const int64_t in_row = s->columns - (first + done) % s->columns;
         const int64_t run = in_row < count - done ? in_row : count - done;
-        rc = read_run(s, first + done, run, out + done * s->nx * s->ny, err);
+        TRY(read_run(s, first + done, run, out + done * s->nx * s->ny, err));
         done += run;
     }
-    return rc;
+    return SHEAR_OK;
 }

@@ -15,16 +15,13 @@ enum { HDU_PRIMARY = 1, HDU_GALAXY, HDU_NOISE, HDU_PSF, HDU_CATALOG };
 
 struct shear_field_writer {
     sf_output out;
-    shear_field_spec spec;         /* without its pointers */
-    int64_t columns;               /* stamps per row of the mosaic */
-    int column_number[SF_COLUMNS]; /* in CATALOG; 0 = not in the spec */
-    sf_bitset stamps, psfs;        /* written so far */
+    shear_field_spec spec;  /* without its pointers */
+    int64_t columns;        /* stamps per row of the mosaic */
+    sf_bitset stamps, psfs; /* written so far */
 };
 
 static int result(const shear_field_writer *w, const char *hdu, int status, shear_error *err) {
-    return status == 0
-               ? SHEAR_OK
-               : sf_fail_status(err, (sf_place){w->out.name, hdu}, status, "cannot be written");
+    return sf_check_status(err, (sf_place){w->out.name, hdu}, status, "cannot be written");
 }
 
 static int write_primary(shear_field_writer *w, const shear_field_spec *spec, shear_error *err) {
@@ -87,23 +84,13 @@ static int create_psf(shear_field_writer *w, shear_error *err) {
 }
 
 static int create_catalog(shear_field_writer *w, shear_error *err) {
-    char *names[SF_COLUMNS];
-    char *forms[SF_COLUMNS];
-    char *units[SF_COLUMNS];
-    int n = 0;
-    for (int i = 0; i < SF_COLUMNS; i++) {
-        if ((w->spec.columns & sf_column_defs[i].bit) != 0) {
-            names[n] = (char *)sf_column_defs[i].name; /* CFITSIO does not write to them */
-            forms[n] = (char *)sf_column_defs[i].form;
-            units[n] = (char *)sf_column_defs[i].unit;
-            w->column_number[i] = ++n;
-        }
-    }
-    if (n == 0)
-        return SHEAR_OK;
+    sf_layout l = {0};
     int status = 0;
-    fits_create_tbl(w->out.fits, BINARY_TBL, w->spec.n_stamps, n, names, forms, units, "CATALOG",
-                    &status);
+    sf_layout_add_columns(&l, w->spec.columns);
+    if (l.n == 0)
+        return SHEAR_OK;
+    fits_create_tbl(w->out.fits, BINARY_TBL, w->spec.n_stamps, l.n, l.names, l.forms, l.units,
+                    "CATALOG", &status);
     return result(w, "CATALOG", status, err);
 }
 
@@ -175,25 +162,19 @@ static int write_stamps(shear_field_writer *w, int hdu, int64_t first, int64_t c
 
 static int write_catalog(shear_field_writer *w, int64_t first, int count,
                          const shear_catalog_columns *c, shear_error *err) {
-    const struct {
-        int type;
-        const void *values;
-    } given[SF_COLUMNS] = {
-        {TLONGLONG, c->id}, {TDOUBLE, c->x},     {TDOUBLE, c->y},
-        {TDOUBLE, c->ra},   {TDOUBLE, c->dec},   {TDOUBLE, c->weight},
-        {TINT, c->psf_id},  {TDOUBLE, c->r_gal}, {TINT, c->flags},
-    };
     int status = 0;
     fits_movabs_hdu(w->out.fits, HDU_CATALOG, NULL, &status);
-    for (int i = 0; i < SF_COLUMNS; i++) {
-        if (w->column_number[i] == 0)
+    int column = 0;
+    for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
+        const int type = def->form[0] == 'K' ? TLONGLONG : def->form[0] == 'D' ? TDOUBLE : TINT;
+        void *values = sf_column_array(c, def->in_rows);
+        if ((w->spec.columns & def->bit) == 0)
             continue;
-        if (given[i].values == NULL) {
+        if (values == NULL) {
             return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){w->out.name, "CATALOG"}, NULL,
-                           "no values were given for column %s", sf_column_defs[i].name);
+                           "no values were given for column %s", def->name);
         }
-        fits_write_col(w->out.fits, given[i].type, w->column_number[i], first + 1, 1, count,
-                       (void *)given[i].values, &status);
+        fits_write_col(w->out.fits, type, ++column, first + 1, 1, count, values, &status);
     }
     return result(w, "CATALOG", status, err);
 }
@@ -242,10 +223,9 @@ static int check_complete(const shear_field_writer *w, shear_error *err) {
 }
 
 int shear_field_finish(shear_field_writer *w, shear_error *err) {
-    int rc = check_complete(w, err);
-    rc = rc != SHEAR_OK ? rc : sf_output_commit(&w->out, err);
-    shear_field_abort(w);
-    return rc;
+    CLEANUP(shear_field_writer_release) shear_field_writer *own = w;
+    TRY(check_complete(own, err));
+    return sf_output_commit(&own->out, err);
 }
 
 void shear_field_abort(shear_field_writer *w) {

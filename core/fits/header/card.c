@@ -2,6 +2,7 @@
 #include "fits/header/card.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +27,11 @@ int sf_card_index(const char *key, const char *root) {
         index = 10 * index + (*c - '0'); /* at most 7 digits */
     }
     return index;
+}
+
+const char *sf_card_indexed(char key[SF_INDEXED], const char *root, int index) {
+    snprintf(key, SF_INDEXED, "%s%d", root, index);
+    return key;
 }
 
 /* Return the first column of the value that is not blank, or SF_CARD. */

@@ -6,13 +6,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SF_CARD = 80, SF_KEY = 8 };
+enum { SF_CARD = 80, SF_KEY = 8, SF_INDEXED = SF_KEY + 16 };
+
+/* Stands for an integer that is absent: sf_card_int and sf_key_int never return it. */
+#define SF_ABSENT INT64_MIN
 
 /* Copy the keyword, without trailing blanks. */
 void sf_card_key(const char card[SF_CARD], char key[SF_KEY + 1]);
 /* Return the number after `root` in a keyword such as NAXIS12: 12; 0 if it is not root and
  * number. */
 int sf_card_index(const char *key, const char *root);
+
+/* Format a keyword that ends in a number, such as NAXIS2, into `key`. Return key. */
+const char *sf_card_indexed(char key[SF_INDEXED], const char *root, int index);
 
 /* Parse the value as an integer, logical or string (without trailing blanks, truncated to size).
  * Return false if the card has no value of that type. */

@@ -1,49 +1,44 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/header/cards.h"
 
+#include "base/cleanup.h"
 #include "base/io.h"
-#include "fits/header/card.h"
+#include "fits/header/header.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 static int64_t count_cards(const char *text, int64_t bytes) {
     int64_t n = 0;
-    char key[SF_KEY + 1];
-    while ((n + 1) * SF_CARD <= bytes) {
-        sf_card_key(text + n * SF_CARD, key);
-        if (strcmp(key, "END") == 0)
-            break;
+    while ((n + 1) * SF_CARD <= bytes && memcmp(text + n * SF_CARD, "END     ", SF_KEY) != 0)
         n++;
-    }
     return n;
 }
 
-static int read_text(char *text, const sf_file *file, const sf_hdu *hdu, sf_place at,
-                     shear_error *err) {
-    const ssize_t n =
-        io_read_at(file->source.fd, text, (size_t)hdu->header_bytes, (off_t)hdu->header_offset);
-    if (n < 0)
-        return sf_fail_errno(err, at, errno, "its header cannot be read");
-    return XXH3_64bits(text, (size_t)hdu->header_bytes) == hdu->header_hash
-               ? SHEAR_OK
-               : sf_fail(err, SHEAR_E_FORMAT, at, "leave a file alone while it is read",
-                         "its header has changed since the file was opened");
+static uint64_t hash_of(const char *text, int64_t bytes) {
+    uint64_t hash = 0;
+    for (int64_t at = 0; at < bytes; at += SF_BLOCK_BYTES)
+        hash = sf_header_hash(hash, text + at);
+    return hash;
 }
 
 int sf_cards_init(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const char *label,
                   shear_error *err) {
-    *c = (sf_cards){.at = {file->source.name, label}};
-    c->text = calloc(1, (size_t)hdu->header_bytes);
+    const int64_t bytes = hdu->header_bytes;
+    *c = (sf_cards){.at = {file->source.name, label}, .text = calloc(1, (size_t)bytes)};
     if (c->text == NULL)
         return sf_fail_memory(err, c->at);
-    const int rc = read_text(c->text, file, hdu, c->at, err);
-    c->count = rc == SHEAR_OK ? count_cards(c->text, hdu->header_bytes) : 0;
-    return rc;
+    if (io_read_at(file->source.fd, c->text, (size_t)bytes, (off_t)hdu->header_offset) < 0)
+        return sf_fail_errno(err, c->at, errno, "its header cannot be read");
+    if (hash_of(c->text, bytes) != hdu->header_hash) {
+        return sf_fail(err, SHEAR_E_FORMAT, c->at, "leave a file alone while it is read",
+                       "its header has changed since the file was opened");
+    }
+    c->count = count_cards(c->text, bytes);
+    return SHEAR_OK;
 }
 
 void sf_cards_deinit(sf_cards *c) {
@@ -69,14 +64,12 @@ int sf_cards_find(const sf_cards *c, const char *key, const char **card, shear_e
     return SHEAR_OK;
 }
 
-int sf_key_double(const sf_cards *c, const char *key, double *value, bool *found,
-                  shear_error *err) {
+int sf_key_double(const sf_cards *c, const char *key, double *value, shear_error *err) {
     const char *card = NULL;
-    const int rc = sf_cards_find(c, key, &card, err);
-    *found = card != NULL && rc == SHEAR_OK;
-    if (!*found)
-        return rc;
     double v = NAN;
+    TRY(sf_cards_find(c, key, &card, err));
+    if (card == NULL)
+        return SHEAR_OK;
     if (!sf_card_double(card, &v)) {
         return sf_fail(err, SHEAR_E_FORMAT, c->at, "correct the keyword, or leave it out",
                        "keyword %s is not a finite number", key);
@@ -97,13 +90,12 @@ static bool whole(const char *card, int64_t *out) {
 }
 
 int sf_key_int(const sf_cards *c, const char *key, int64_t min, int64_t max, int64_t *value,
-               bool *found, shear_error *err) {
+               shear_error *err) {
     const char *card = NULL;
-    const int rc = sf_cards_find(c, key, &card, err);
-    *found = card != NULL && rc == SHEAR_OK;
-    if (!*found)
-        return rc;
     int64_t v = 0;
+    TRY(sf_cards_find(c, key, &card, err));
+    if (card == NULL)
+        return SHEAR_OK;
     if (!whole(card, &v) || v < min || v > max) {
         char text[SF_CARD + 1];
         char shown[3 * sizeof text];
@@ -119,10 +111,10 @@ int sf_key_int(const sf_cards *c, const char *key, int64_t min, int64_t max, int
 
 int sf_need_int(const sf_cards *c, const char *key, int64_t min, int64_t max, int64_t *value,
                 shear_error *err) {
-    bool found = false;
-    const int rc = sf_key_int(c, key, min, max, value, &found, err);
-    return rc != SHEAR_OK || found
-               ? rc
+    *value = SF_ABSENT;
+    TRY(sf_key_int(c, key, min, max, value, err));
+    return *value != SF_ABSENT
+               ? SHEAR_OK
                : sf_fail(err, SHEAR_E_FORMAT, c->at, NULL, "keyword %s is missing", key);
 }
 
@@ -146,9 +138,9 @@ static void append_continued(const sf_cards *c, const char *card, char *out) {
 int sf_key_string(const sf_cards *c, const char *key, char **text, shear_error *err) {
     const char *card = NULL;
     *text = NULL;
-    const int rc = sf_cards_find(c, key, &card, err);
-    if (rc != SHEAR_OK || card == NULL)
-        return rc;
+    TRY(sf_cards_find(c, key, &card, err));
+    if (card == NULL)
+        return SHEAR_OK;
     size_t capacity = 1;
     for (const char *k = card; k == card || continues(c, k); k += SF_CARD)
         capacity += SF_CARD;

@@ -4,6 +4,7 @@
  * A keyword that is looked up must not appear twice. A keyword without a value counts as absent. */
 #pragma once
 
+#include "fits/header/card.h"
 #include "fits/header/file.h"
 
 #include <stdbool.h>
@@ -24,11 +25,11 @@ void sf_cards_deinit(sf_cards *c);
 /* Find the card of a keyword; *card is NULL if it is absent. SHEAR_E_FORMAT: there are two. */
 int sf_cards_find(const sf_cards *c, const char *key, const char **card, shear_error *err);
 
-/* Read a number. *found is false if the keyword is absent; the value is unchanged then.
- * SHEAR_E_FORMAT: the value is not a finite number, or not an integer in [min, max]. */
-int sf_key_double(const sf_cards *c, const char *key, double *value, bool *found, shear_error *err);
+/* Read a number. If the keyword is absent, *value is unchanged: begin with NAN or SF_ABSENT to see
+ * that. SHEAR_E_FORMAT: the value is not a finite number, or not an integer in [min, max]. */
+int sf_key_double(const sf_cards *c, const char *key, double *value, shear_error *err);
 int sf_key_int(const sf_cards *c, const char *key, int64_t min, int64_t max, int64_t *value,
-               bool *found, shear_error *err);
+               shear_error *err);
 /* The same for a keyword that must be present. */
 int sf_need_int(const sf_cards *c, const char *key, int64_t min, int64_t max, int64_t *value,
                 shear_error *err);

@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+#include <xxhash.h>
 
 enum scalar_type { INTEGER, LOGICAL, STRING };
 
@@ -20,103 +21,80 @@ static const struct {
     enum scalar_type type;
     size_t offset; /* in sf_header */
 } scalars[] = {
-    {"BITPIX", INTEGER, HDU(bitpix)},
-    {"NAXIS", INTEGER, HDU(naxis)},
-    {"PCOUNT", INTEGER, HDU(pcount)},
-    {"GCOUNT", INTEGER, HDU(gcount)},
-    {"ZIMAGE", LOGICAL, HDU(zimage)},
-    {"ZTABLE", LOGICAL, HDU(ztable)},
-    {"GROUPS", LOGICAL, offsetof(sf_header, groups)},
-    {"EXTNAME", STRING, HDU(name)},
-    {"XTENSION", STRING, offsetof(sf_header, xtension)},
+    {"BITPIX", INTEGER, HDU(bitpix)},  {"NAXIS", INTEGER, HDU(naxis)},
+    {"NAXIS1", INTEGER, HDU(axes[0])}, {"NAXIS2", INTEGER, HDU(axes[1])},
+    {"NAXIS3", INTEGER, HDU(axes[2])}, {"PCOUNT", INTEGER, HDU(pcount)},
+    {"GCOUNT", INTEGER, HDU(gcount)},  {"ZIMAGE", LOGICAL, HDU(zimage)},
+    {"ZTABLE", LOGICAL, HDU(ztable)},  {"GROUPS", LOGICAL, offsetof(sf_header, groups)},
+    {"EXTNAME", STRING, HDU(name)},    {"XTENSION", STRING, offsetof(sf_header, xtension)},
 };
 
 enum { N_SCALARS = sizeof scalars / sizeof scalars[0] };
 
-static int64_t *integer_at(sf_header *h, size_t offset) {
-    return (int64_t *)(void *)((char *)h + offset);
-}
-
-void sf_header_init(sf_header *h, int number) {
-    *h = (sf_header){.hdu.number = number, .further_axes = 1};
-    for (int i = 0; i < N_SCALARS; i++) {
-        if (scalars[i].type == INTEGER)
-            *integer_at(h, scalars[i].offset) = SF_ABSENT;
-    }
-    for (int k = 0; k < SF_AXES; k++)
-        h->hdu.axes[k] = SF_ABSENT;
-}
-
-const char *sf_header_label(const sf_header *h, char out[SF_NAME]) {
-    if (h->label[0] != '\0') {
-        text_set(out, SF_NAME, h->label);
-    } else if (h->hdu.number == 0) {
-        snprintf(out, SF_NAME, "primary");
+void sf_header_init(sf_header *h, int number, const char *file) {
+    *h = (sf_header){.hdu = {.number = number,
+                             .bitpix = SF_ABSENT,
+                             .naxis = SF_ABSENT,
+                             .axes = {1, 1, 1},
+                             .gcount = 1},
+                     .file = file,
+                     .further_axes = 1};
+    if (number == 0) {
+        text_set(h->label, SF_NAME, "primary");
     } else {
-        snprintf(out, SF_NAME, "%d (from 0)", h->hdu.number);
-    }
-    return out;
-}
-
-static int bad(const sf_header *h, const char *file, const char *key, const char *what,
-               shear_error *err) {
-    char label[SF_NAME];
-    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){file, sf_header_label(h, label)}, NULL,
-                   "keyword %s %s", key, what);
-}
-
-static int parse_integer(sf_header *h, const char *card, const char *key, int64_t *out,
-                         const char *file, shear_error *err) {
-    if (*out != SF_ABSENT)
-        return bad(h, file, key, "is given twice", err);
-    if (!sf_card_int(card, out)) {
-        *out = SF_ABSENT;
-        return bad(h, file, key, "is not an integer (of up to 64 bits)", err);
-    }
-    return SHEAR_OK;
-}
-
-static void printable(char *text) {
-    for (char *c = text; *c != '\0'; c++) {
-        if (*c < ' ' || *c > '~')
-            *c = '?';
+        snprintf(h->label, SF_NAME, "%d (from 0)", number);
     }
 }
 
-void sf_header_find_label(sf_header *h, const char *block) {
-    for (int i = 0; i < SF_BLOCK_BYTES && h->label[0] == '\0'; i += SF_CARD) {
-        char key[SF_KEY + 1];
-        sf_card_key(block + i, key);
-        if (strcmp(key, "EXTNAME") == 0 && sf_card_string(block + i, h->label, SF_NAME))
-            printable(h->label);
+static int bad(const sf_header *h, const char *key, const char *what, shear_error *err) {
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){h->file, h->label}, NULL, "keyword %s %s", key,
+                   what);
+}
+
+/* Find EXTNAME in a block of cards, before they are parsed one by one. */
+static void find_label(sf_header *h, const char *block) {
+    for (int i = 0; i < SF_BLOCK_BYTES && !h->named; i += SF_CARD) {
+        char name[SF_NAME];
+        h->named = memcmp(block + i, "EXTNAME ", SF_KEY) == 0 &&
+                   sf_card_string(block + i, name, sizeof name) && name[0] != '\0';
+        if (h->named) {
+            sf_make_printable(name);
+            text_set(h->label, SF_NAME, name);
+        }
     }
 }
 
-static int parse_scalar(sf_header *h, int i, const char *card, const char *file, shear_error *err) {
+static int parse_integer(const sf_header *h, const char *card, const char *key, int64_t *out,
+                         shear_error *err) {
+    return sf_card_int(card, out) ? SHEAR_OK
+                                  : bad(h, key, "is not an integer (of up to 64 bits)", err);
+}
+
+static int parse_scalar(sf_header *h, int i, const char *card, shear_error *err) {
+    const char *key = scalars[i].key;
     char *member = (char *)h + scalars[i].offset;
     if ((h->seen & 1u << i) != 0)
-        return bad(h, file, scalars[i].key, "is given twice", err);
+        return bad(h, key, "is given twice", err);
     h->seen |= 1u << i;
-    if (scalars[i].type == INTEGER)
-        return parse_integer(h, card, scalars[i].key, integer_at(h, scalars[i].offset), file, err);
-    if (scalars[i].type == LOGICAL) {
+    switch (scalars[i].type) {
+    case INTEGER:
+        return parse_integer(h, card, key, (int64_t *)(void *)member, err);
+    case LOGICAL:
         return sf_card_logical(card, (bool *)member)
                    ? SHEAR_OK
-                   : bad(h, file, scalars[i].key, "is not a logical (T or F)", err);
+                   : bad(h, key, "is not a logical (T or F)", err);
+    default:
+        if (!sf_card_string(card, member, SF_NAME))
+            return bad(h, key, "is not a string", err);
+        sf_make_printable(member);
+        return SHEAR_OK;
     }
-    if (!sf_card_string(card, member, SF_NAME))
-        return bad(h, file, scalars[i].key, "is not a string", err);
-    printable(member);
-    return SHEAR_OK;
 }
 
-static int parse_axis(sf_header *h, const char *card, const char *key, int index, const char *file,
-                      shear_error *err) {
-    h->axes_seen++;
-    if (index <= SF_AXES)
-        return parse_integer(h, card, key, &h->hdu.axes[index - 1], file, err);
-    int64_t value = SF_ABSENT;
-    TRY(parse_integer(h, card, key, &value, file, err));
+/* Multiply the sides of the axes that no field file has. */
+static int parse_further_axis(sf_header *h, const char *card, const char *key, shear_error *err) {
+    int64_t value = 0;
+    TRY(parse_integer(h, card, key, &value, err));
     if (h->further_axes >= 0 &&
         (value < 0 || __builtin_mul_overflow(h->further_axes, value, &h->further_axes))) {
         h->further_axes = -1;
@@ -130,43 +108,52 @@ static enum sf_kind kind_of(const sf_header *h) {
     return strcmp(h->xtension, "BINTABLE") == 0 ? SF_TABLE : SF_OTHER;
 }
 
-/* Set `key` to the keyword that FITS requires as the next card; "" if any is allowed. */
-static void wanted_key(const sf_header *h, char key[24]) {
-    static const char *const table[] = {"PCOUNT", "GCOUNT", "TFIELDS"};
+/* Return the keyword that FITS requires as the next card, perhaps in `key`; NULL if any is
+ * allowed. */
+static const char *wanted_key(const sf_header *h, char key[SF_INDEXED]) {
+    static const char *const first[] = {NULL, "BITPIX", "NAXIS"};
+    static const char *const of_table[] = {"PCOUNT", "GCOUNT", "TFIELDS"};
     const int n = h->cards;
-    key[0] = '\0';
-    if (n == 1 || n == 2) {
-        text_set(key, 24, n == 1 ? "BITPIX" : "NAXIS");
-    } else if (n >= 3 && n - 2 <= h->hdu.naxis) {
-        snprintf(key, 24, "NAXIS%d", n - 2);
-    } else if (n == 5 || n == 6 || n == 7) {
-        text_set(key, 24, kind_of(h) == SF_TABLE ? table[n - 5] : "");
-    }
+    if (n < 3)
+        return first[n];
+    if (n - 2 <= h->hdu.naxis)
+        return sf_card_indexed(key, "NAXIS", n - 2);
+    return n >= 5 && n <= 7 && kind_of(h) == SF_TABLE ? of_table[n - 5] : NULL;
 }
 
-static int check_order(const sf_header *h, const char *key, const char *file, shear_error *err) {
-    char wanted[24];
-    wanted_key(h, wanted);
-    if (wanted[0] == '\0' || strcmp(key, wanted) == 0)
+static int check_order(const sf_header *h, const char *key, shear_error *err) {
+    char numbered[SF_INDEXED];
+    const char *wanted = wanted_key(h, numbered);
+    if (wanted == NULL || strcmp(key, wanted) == 0)
         return SHEAR_OK;
     char what[64];
     snprintf(what, sizeof what, "must be card %d of the header", h->cards + 1);
-    return bad(h, file, wanted, what, err);
+    return bad(h, wanted, what, err);
 }
 
-int sf_header_card(sf_header *h, const char *card, const char *file, shear_error *err) {
-    char key[SF_KEY + 1];
-    sf_card_key(card, key);
-    const int rc = check_order(h, key, file, err);
+static int parse_card(sf_header *h, const char *card, const char *key, shear_error *err) {
+    TRY(check_order(h, key, err));
     h->cards++;
-    if (rc != SHEAR_OK)
-        return rc;
+    const int axis = sf_card_index(key, "NAXIS");
+    h->axes_seen += axis > 0 ? 1 : 0;
     for (int i = 0; i < N_SCALARS; i++) {
         if (strcmp(key, scalars[i].key) == 0)
-            return parse_scalar(h, i, card, file, err);
+            return parse_scalar(h, i, card, err);
     }
-    const int index = sf_card_index(key, "NAXIS");
-    return index > 0 ? parse_axis(h, card, key, index, file, err) : SHEAR_OK;
+    return axis > 0 ? parse_further_axis(h, card, key, err) : SHEAR_OK;
+}
+
+int sf_header_block(sf_header *h, const char *block, shear_error *err) {
+    find_label(h, block);
+    for (int i = 0; i < SF_BLOCK_BYTES; i += SF_CARD) {
+        char key[SF_KEY + 1];
+        sf_card_key(block + i, key);
+        h->ended = strcmp(key, "END") == 0;
+        if (h->ended)
+            break;
+        TRY(parse_card(h, block + i, key, err));
+    }
+    return SHEAR_OK;
 }
 
 static bool bitpix_ok(int64_t bitpix) {
@@ -179,54 +166,46 @@ static bool data_bytes(const sf_header *h, int64_t *out) {
     const sf_hdu *hdu = &h->hdu;
     const int64_t pixel_bytes = (hdu->bitpix < 0 ? -hdu->bitpix : hdu->bitpix) / 8;
     int64_t n = hdu->naxis > 0 ? h->further_axes : 0;
-    for (int k = 0; k < SF_AXES && k < hdu->naxis; k++) {
+    for (int k = 0; k < SF_AXES; k++) {
         if (__builtin_mul_overflow(n, hdu->axes[k], &n))
             return false;
     }
-    if (__builtin_add_overflow(n, hdu->pcount, &n))
+    if (__builtin_add_overflow(n, hdu->pcount, &n) || __builtin_mul_overflow(n, hdu->gcount, &n) ||
+        __builtin_mul_overflow(n, pixel_bytes, out)) {
         return false;
-    if (__builtin_mul_overflow(n, hdu->gcount, &n))
-        return false;
-    if (__builtin_mul_overflow(n, pixel_bytes, out))
-        return false;
+    }
     return *out <= INT64_MAX - SF_BLOCK_BYTES; /* leave space for the padding of the last block */
 }
 
-static int check_axes(sf_header *h, const char *file, shear_error *err) {
-    sf_hdu *hdu = &h->hdu;
-    if (hdu->naxis < 0 || hdu->naxis > 999) {
-        return bad(h, file, "NAXIS", hdu->naxis == SF_ABSENT ? "is missing" : "is not 0 to 999",
-                   err);
-    }
+static int check_axes(const sf_header *h, shear_error *err) {
+    const sf_hdu *hdu = &h->hdu;
+    if (hdu->naxis < 0 || hdu->naxis > 999)
+        return bad(h, "NAXIS", hdu->naxis == SF_ABSENT ? "is missing" : "is not 0 to 999", err);
     if (h->axes_seen != hdu->naxis)
-        return bad(h, file, "NAXIS", "does not agree with the number of NAXISn keywords", err);
+        return bad(h, "NAXIS", "does not agree with the number of NAXISn keywords", err);
     for (int k = 0; k < SF_AXES; k++) {
-        char key[24];
-        snprintf(key, sizeof key, "NAXIS%d", k + 1);
-        if (k >= hdu->naxis) {
-            hdu->axes[k] = 1;
-        } else if (hdu->axes[k] < 0) {
-            return bad(h, file, key, hdu->axes[k] == SF_ABSENT ? "is missing" : "is negative", err);
-        }
+        char key[SF_INDEXED];
+        if (hdu->axes[k] < 0)
+            return bad(h, sf_card_indexed(key, "NAXIS", k + 1), "is negative", err);
     }
     return SHEAR_OK;
 }
 
-int sf_header_end(sf_header *h, const char *file, shear_error *err) {
+int sf_header_end(sf_header *h, shear_error *err) {
     sf_hdu *hdu = &h->hdu;
     hdu->kind = kind_of(h);
     if (!bitpix_ok(hdu->bitpix))
-        return bad(h, file, "BITPIX", "is missing or not one of 8, 16, 32, 64, -32, -64", err);
-    TRY(check_axes(h, file, err));
-    hdu->pcount = hdu->pcount == SF_ABSENT ? 0 : hdu->pcount;
-    hdu->gcount = hdu->gcount == SF_ABSENT ? 1 : hdu->gcount;
-    if (h->groups) {
-        return bad(h, file, "GROUPS", "announces random groups, which field files do not have",
-                   err);
-    }
+        return bad(h, "BITPIX", "is missing or not one of 8, 16, 32, 64, -32, -64", err);
+    TRY(check_axes(h, err));
+    if (h->groups)
+        return bad(h, "GROUPS", "announces random groups, which field files do not have", err);
     if (hdu->pcount < 0 || hdu->gcount < 1)
-        return bad(h, file, hdu->pcount < 0 ? "PCOUNT" : "GCOUNT", "is out of range", err);
+        return bad(h, hdu->pcount < 0 ? "PCOUNT" : "GCOUNT", "is out of range", err);
     if (!data_bytes(h, &hdu->data_bytes))
-        return bad(h, file, "NAXIS", "and NAXISn: the data's size does not fit 64 bits", err);
+        return bad(h, "NAXIS", "and NAXISn: the data's size does not fit 64 bits", err);
     return SHEAR_OK;
+}
+
+uint64_t sf_header_hash(uint64_t before, const char *block) {
+    return XXH3_64bits_withSeed(block, SF_BLOCK_BYTES, before);
 }

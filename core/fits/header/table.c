@@ -2,9 +2,10 @@
 /* Parse the layout of a binary table. table_read.c reads its numbers. */
 #include "fits/header/table.h"
 
-#include "fits/header/card.h"
+#include "base/cleanup.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -24,12 +25,7 @@ static int64_t width_of(char type) {
 }
 
 static char upper(char c) {
-    static const char small[] = "abcdefghijklmnopqrstuvwxyz";
-    static const char capital[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
-    const char *at = c != '\0' ? strchr(small, c) : NULL;
-    if (at != NULL)
-        return capital[at - small];
-    return c;
+    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
 }
 
 /* Parse rT, where r is a count (1 if absent) and T a letter; P and Q are followed by another
@@ -73,8 +69,8 @@ static int set_name(sf_table *t, int i, const char *card, shear_error *err) {
     return SHEAR_OK;
 }
 
-static void note_scaling(sf_column *c, const char **slot, const char *card) {
-    c->twice = c->twice || *slot != NULL;
+static void note_scaling(sf_scaling *s, const char **slot, const char *card) {
+    s->twice = s->twice || *slot != NULL;
     *slot = card;
 }
 
@@ -86,12 +82,33 @@ static int set_card(sf_table *t, const char *card, shear_error *err) {
         const int i = sf_card_index(key, roots[k]) - 1;
         if (i < 0 || i >= t->n || !sf_card_has_value(card))
             continue;
-        sf_column *c = &t->columns[i];
+        sf_scaling *s = &t->columns[i].by;
         if (k < 2)
             return k == 0 ? set_name(t, i, card, err) : set_form(t, i, card, err);
-        note_scaling(c, k == 2 ? &c->scale : k == 3 ? &c->zero : &c->null, card);
+        note_scaling(s, k == 2 ? &s->scale_card : k == 3 ? &s->zero_card : &s->null_card, card);
     }
     return SHEAR_OK;
+}
+
+/* Parse TSCALn, TZEROn and TNULLn; `wrong` says what is wrong with them. */
+static void parse_scaling(sf_scaling *s, char type) {
+    const bool scaled = type != 'L'; /* logicals are not */
+    s->has_null = s->null_card != NULL && strchr("BIJK", type) != NULL;
+    s->scale = 1.0;
+    s->wrong = s->twice ? "is given twice" : NULL;
+    if (s->scale_card != NULL && (!sf_card_double(s->scale_card, &s->scale) || s->scale == 0.0)) {
+        s->wrong = "(TSCALn) is 0 or not a finite number";
+    } else if (s->zero_card != NULL && !sf_card_double(s->zero_card, &s->zero)) {
+        s->wrong = "(TZEROn) is not a finite number";
+    } else if (s->has_null && !sf_card_int(s->null_card, &s->null)) {
+        s->wrong = "(TNULLn) is not an integer (of up to 64 bits)";
+    }
+    s->scale = scaled ? s->scale : 1.0;
+    s->zero = scaled ? s->zero : 0.0;
+    const bool exact = scaled && s->zero_card != NULL && sf_card_int(s->zero_card, &s->whole_zero);
+    s->whole = s->scale == 1.0 && (exact || (s->zero == floor(s->zero) && fabs(s->zero) < 0x1p63));
+    s->whole_zero = exact ? s->whole_zero : s->whole ? (int64_t)s->zero : 0;
+    s->is_unsigned = type == 'K' && s->scale == 1.0 && s->zero == 0x1p63;
 }
 
 static int lay_out(sf_table *t, shear_error *err) {
@@ -100,6 +117,7 @@ static int lay_out(sf_table *t, shear_error *err) {
         sf_column *c = &t->columns[i];
         if (c->type == '\0')
             return bad(t, "TFORM", i, "is missing", err);
+        parse_scaling(&c->by, c->type);
         c->offset = end;
         if (__builtin_add_overflow(end, c->width, &end) || end > t->hdu->axes[0])
             return bad(t, "TFORM", i, "goes beyond the row: NAXIS1 is smaller", err);
@@ -119,16 +137,14 @@ int sf_table_init(sf_table *t, const sf_file *file, const sf_hdu *hdu, const sf_
                        "must be a binary table (BINTABLE) with BITPIX 8, NAXIS 2 and GCOUNT 1");
     }
     int64_t n = 0;
-    int rc = sf_need_int(cards, "TFIELDS", 0, MAX_COLUMNS, &n, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_need_int(cards, "TFIELDS", 0, MAX_COLUMNS, &n, err));
     t->columns = calloc((size_t)n + 1, sizeof *t->columns);
     if (t->columns == NULL)
         return sf_fail_memory(err, cards->at);
     t->n = (int)n;
-    for (int64_t i = 0; rc == SHEAR_OK && i < cards->count; i++)
-        rc = set_card(t, cards->text + i * SF_CARD, err);
-    return rc == SHEAR_OK ? lay_out(t, err) : rc;
+    for (int64_t i = 0; i < cards->count; i++)
+        TRY(set_card(t, cards->text + i * SF_CARD, err));
+    return lay_out(t, err);
 }
 
 void sf_table_deinit(sf_table *t) {
@@ -151,30 +167,12 @@ int sf_table_find(const sf_table *t, const char *name, const sf_column **column,
     return SHEAR_OK;
 }
 
-static int check_scaling(const sf_table *t, const sf_column *c, shear_error *err) {
-    double scale = 1.0;
-    double zero = 0.0;
-    int64_t null = 0;
-    const char *wrong = c->twice ? "is given twice" : NULL;
-    if (c->scale != NULL && (!sf_card_double(c->scale, &scale) || scale == 0.0)) {
-        wrong = "(TSCALn) is 0 or not a finite number";
-    } else if (c->zero != NULL && !sf_card_double(c->zero, &zero)) {
-        wrong = "(TZEROn) is not a finite number";
-    } else if (c->null != NULL && strchr("BIJK", c->type) != NULL && !sf_card_int(c->null, &null)) {
-        wrong = "(TNULLn) is not an integer (of up to 64 bits)";
-    }
-    return wrong == NULL
-               ? SHEAR_OK
-               : sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL,
-                         "column %s: its keyword TSCALn, TZEROn or TNULLn %s", c->name, wrong);
-}
-
 int sf_table_find_number(const sf_table *t, const char *name, const sf_column **column,
                          shear_error *err) {
-    const int rc = sf_table_find(t, name, column, err);
+    TRY(sf_table_find(t, name, column, err));
     const sf_column *c = *column;
-    if (rc != SHEAR_OK || c == NULL)
-        return rc;
+    if (c == NULL)
+        return SHEAR_OK;
     if (strchr("LBIJKED", c->type) == NULL || c->repeat != 1) {
         return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
                        "column %s must hold one number a row (TFORM B, I, J, K, E, D or L), but %s",
@@ -184,5 +182,8 @@ int sf_table_find_number(const sf_table *t, const char *name, const sf_column **
                        : c->repeat != 1                 ? "has another repeat count"
                                                         : "has another type");
     }
-    return check_scaling(t, c, err);
+    return c->by.wrong == NULL ? SHEAR_OK
+                               : sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL,
+                                         "column %s: its keyword TSCALn, TZEROn or TNULLn %s",
+                                         c->name, c->by.wrong);
 }

@@ -7,14 +7,26 @@
 
 #include "fits/header/cards.h"
 
+/* How a column's stored numbers are converted: scale * number + zero; `null` is undefined. */
+typedef struct sf_scaling {
+    const char *scale_card, *zero_card, *null_card; /* of TSCALn, TZEROn, TNULLn, or NULL */
+    bool twice;                                     /* one of them appears twice */
+    const char *wrong;                              /* what is wrong with them, or NULL */
+    double scale, zero;
+    bool has_null;
+    int64_t null;
+    bool whole; /* scale is 1 and zero an integer (whole_zero), so that integers stay exact */
+    int64_t whole_zero;
+    bool is_unsigned; /* unsigned numbers of 64 bits: TZERO is 2^63 */
+} sf_scaling;
+
 typedef struct sf_column {
     char name[SF_NAME]; /* TTYPEn; "" = none */
     char type;          /* of TFORMn: L X B I J K A E D C M P Q; '\0' = not seen yet */
     char element;       /* for a variable length (P, Q): the type of the elements it points to */
     int64_t repeat;
-    int64_t offset, width;           /* bytes in a row */
-    const char *scale, *zero, *null; /* cards of TSCALn, TZEROn, TNULLn, or NULL */
-    bool twice;                      /* one of these cards appears twice */
+    int64_t offset, width; /* bytes in a row */
+    sf_scaling by;
 } sf_column;
 
 typedef struct sf_table {
@@ -45,13 +57,10 @@ int sf_table_find_number(const sf_table *t, const char *name, const sf_column **
 int sf_table_doubles(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
                      double *out, shear_error *err);
 /* The same as integers, exact if the column holds integers. Undefined values, and those that are
- * not whole or beyond 64 bits, become `undefined`. Unsigned numbers of 64 bits (TZERO 2^63) are
- * returned as their bits. */
+ * not whole or beyond 64 bits, become `undefined`. Unsigned numbers of 64 bits are returned as
+ * their bits. */
 int sf_table_integers(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
                       int64_t undefined, int64_t *out, shear_error *err);
-/* Return whether the column holds unsigned numbers of 64 bits. */
-bool sf_column_is_unsigned(const sf_column *column);
-
 /* Read `bytes` bytes of row `row`, from `offset` in the row. SHEAR_E_IO, SHEAR_E_FORMAT. */
 int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,
                    shear_error *err);

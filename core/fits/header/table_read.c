@@ -3,7 +3,6 @@
 #include "base/io.h"
 
 #include "base/cleanup.h"
-#include "fits/header/card.h"
 #include "fits/header/table.h"
 #include "fits/io/bits.h"
 
@@ -39,27 +38,30 @@ static stored_cell real_of(double v) {
     return (stored_cell){.floating = true, .real = v, .undefined = isnan(v)};
 }
 
-static stored_cell stored_cell_of(char type, const unsigned char *bytes) {
-    switch (type) {
+static stored_cell integer_of(const sf_scaling *by, int64_t v) {
+    return (stored_cell){.integer = v, .undefined = by->has_null && v == by->null};
+}
+
+static stored_cell stored_cell_of(const sf_column *c, const unsigned char *bytes) {
+    const uint64_t bits = sf_bits_big_endian(bytes, c->width);
+    switch (c->type) {
     case 'L':
-        return (stored_cell){.integer = bytes[0] == 'T' ? 1 : 0,
-                             .undefined = bytes[0] != 'T' && bytes[0] != 'F'};
+        return (stored_cell){.integer = bits == 'T' ? 1 : 0,
+                             .undefined = bits != 'T' && bits != 'F'};
     case 'B':
-        return (stored_cell){.integer = bytes[0]};
-    case 'I':
-        return (stored_cell){.integer = (int16_t)sf_bits_big_endian(bytes, 2)};
-    case 'J':
-        return (stored_cell){.integer = (int32_t)sf_bits_big_endian(bytes, 4)};
     case 'K':
-        return (stored_cell){.integer = (int64_t)sf_bits_big_endian(bytes, 8)};
+        return integer_of(&c->by, (int64_t)bits);
+    case 'I':
+        return integer_of(&c->by, (int16_t)bits);
+    case 'J':
+        return integer_of(&c->by, (int32_t)bits);
     case 'E': {
-        const uint32_t bits = (uint32_t)sf_bits_big_endian(bytes, 4);
+        const uint32_t low = (uint32_t)bits;
         float v;
-        memcpy(&v, &bits, sizeof v);
+        memcpy(&v, &low, sizeof v);
         return real_of((double)v);
     }
     default: {
-        const uint64_t bits = sf_bits_big_endian(bytes, 8);
         double v;
         memcpy(&v, &bits, sizeof v);
         return real_of(v);
@@ -67,73 +69,38 @@ static stored_cell stored_cell_of(char type, const unsigned char *bytes) {
     }
 }
 
-/* How a stored number is converted: null, scale * number + zero. */
-typedef struct scaling {
-    bool has_null;
-    int64_t null;
-    double scale, zero;
-    bool whole; /* scale is 1 and zero an integer (whole_zero), so that integers stay exact */
-    int64_t whole_zero;
-} scaling;
-
-static scaling scaling_of(const sf_column *c) {
-    scaling s = {.scale = 1.0};
-    s.has_null =
-        c->null != NULL && strchr("BIJK", c->type) != NULL && sf_card_int(c->null, &s.null);
-    if (c->type == 'L') { /* logicals are not scaled */
-        s.whole = true;
-        return s;
-    }
-    if (c->scale != NULL)
-        (void)sf_card_double(c->scale, &s.scale);
-    if (c->zero != NULL)
-        (void)sf_card_double(c->zero, &s.zero);
-    s.whole = s.scale == 1.0;
-    if (s.whole && c->zero != NULL && !sf_card_int(c->zero, &s.whole_zero)) {
-        s.whole = s.zero == floor(s.zero) && fabs(s.zero) < 0x1p63;
-        s.whole_zero = s.whole ? (int64_t)s.zero : 0;
-    }
-    return s;
-}
-
-bool sf_column_is_unsigned(const sf_column *c) {
-    return c->type == 'K' && scaling_of(c).scale == 1.0 && scaling_of(c).zero == 0x1p63;
-}
-
 typedef struct sink {
     const sf_column *column;
-    scaling by;
-    bool is_unsigned;
     double *doubles; /* output: either doubles or integers is set */
     int64_t *integers;
     int64_t undefined;
 } sink;
 
-static double as_double(const sink *s, stored_cell c) {
-    if (c.undefined || (!c.floating && s->by.has_null && c.integer == s->by.null))
+static double as_double(const sf_scaling *by, stored_cell c) {
+    if (c.undefined)
         return NAN;
     const double v = c.floating ? c.real : (double)c.integer;
-    return s->by.scale == 1.0 && s->by.zero == 0.0 ? v : v * s->by.scale + s->by.zero;
+    return by->scale == 1.0 && by->zero == 0.0 ? v : v * by->scale + by->zero;
 }
 
-static int64_t as_integer(const sink *s, stored_cell c) {
+static int64_t as_integer(const sf_scaling *by, stored_cell c, int64_t undefined) {
     int64_t sum = 0;
-    if (!c.floating && !c.undefined && !(s->by.has_null && c.integer == s->by.null)) {
-        if (s->is_unsigned)
+    if (!c.floating && !c.undefined) {
+        if (by->is_unsigned)
             return (int64_t)((uint64_t)c.integer + (UINT64_C(1) << 63));
-        if (s->by.whole)
-            return __builtin_add_overflow(c.integer, s->by.whole_zero, &sum) ? s->undefined : sum;
+        if (by->whole)
+            return __builtin_add_overflow(c.integer, by->whole_zero, &sum) ? undefined : sum;
     }
-    const double v = as_double(s, c);
-    return v == floor(v) && fabs(v) < 0x1p63 ? (int64_t)v : s->undefined; /* NaN fails both tests */
+    const double v = as_double(by, c);
+    return v == floor(v) && fabs(v) < 0x1p63 ? (int64_t)v : undefined; /* NaN fails both tests */
 }
 
 static void put(const sink *s, int64_t i, const unsigned char *bytes) {
-    const stored_cell c = stored_cell_of(s->column->type, bytes);
+    const stored_cell c = stored_cell_of(s->column, bytes);
     if (s->doubles != NULL) {
-        s->doubles[i] = as_double(s, c);
+        s->doubles[i] = as_double(&s->column->by, c);
     } else {
-        s->integers[i] = as_integer(s, c);
+        s->integers[i] = as_integer(&s->column->by, c, s->undefined);
     }
 }
 
@@ -158,16 +125,12 @@ static int read_rows(const sf_table *t, const sink *s, int64_t first, int64_t co
 
 int sf_table_doubles(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
                      double *out, shear_error *err) {
-    const sink s = {.column = column, .by = scaling_of(column), .doubles = out};
+    const sink s = {.column = column, .doubles = out};
     return read_rows(t, &s, first, count, err);
 }
 
 int sf_table_integers(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
                       int64_t undefined, int64_t *out, shear_error *err) {
-    const sink s = {.column = column,
-                    .by = scaling_of(column),
-                    .is_unsigned = sf_column_is_unsigned(column),
-                    .integers = out,
-                    .undefined = undefined};
+    const sink s = {.column = column, .integers = out, .undefined = undefined};
     return read_rows(t, &s, first, count, err);
 }

@@ -13,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 enum { BUFFER = 1 << 17 }; /* fits into the second-level cache */
@@ -30,25 +29,20 @@ void shear_bytes_checksum(const void *bytes, size_t n, char out[SHEAR_CHECKSUM_S
 /* ---- one file ---- */
 
 typedef struct stream {
-    int fd;
-    bool own; /* opened here */
+    int fd; /* -1: closed */
     int64_t offset, size;
     char name[161]; /* for messages */
 } stream;
 
 static void stream_close(stream *f) {
-    if (f->own && f->fd >= 0)
-        close(f->fd);
+    release_fd(&f->fd);
     *f = (stream){.fd = -1};
 }
 
-/* Open a file by its descriptor, or by its path if fd < 0. */
+/* Open a file by its path, or a duplicate of its descriptor if fd >= 0. */
 static int stream_open(stream *f, const char *path, int fd, shear_error *err) {
-    *f = (stream){.fd = fd, .own = fd < 0};
     sf_printable_name(f->name, sizeof f->name, path);
-    const sf_place at = {f->name, NULL};
-    return fd >= 0 ? sf_check_regular(fd, at, &f->size, err)
-                   : sf_open_regular(path, at, &f->fd, &f->size, err);
+    return sf_open_regular(path, fd, (sf_place){f->name, NULL}, &f->fd, &f->size, err);
 }
 
 /* Read one buffer more; *count = 0 at the end. A file that keeps growing is an error, because it
@@ -81,9 +75,8 @@ struct shear_hashing {
     bool whole, separate;
     long long hdu[SHEAR_N_PARTS];
     digest parts[SHEAR_N_PARTS];
-    int part; /* the part that is being read; SHEAR_N_PARTS: all have been read */
-    bool open;
-    stream file;
+    int part;       /* the part that is being read; SHEAR_N_PARTS: all have been read */
+    stream file;    /* its file, once it is open */
     int64_t before; /* bytes of the files that have been read completely */
     XXH3_state_t *state;
     unsigned char *buffer; /* [BUFFER] */
@@ -122,6 +115,7 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
         *h = (shear_hashing){.input = input,
                              .fds = fds,
                              .whole = input->path != NULL,
+                             .file.fd = -1,
                              .separate = info != NULL && info->separate,
                              .state = XXH3_createState(),
                              .buffer = malloc(BUFFER)};
@@ -139,8 +133,7 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
 
 void shear_hashing_free(shear_hashing *h) {
     if (h != NULL) {
-        if (h->open)
-            stream_close(&h->file);
+        stream_close(&h->file);
         XXH3_freeState(h->state);
         free(h->buffer);
         free(h);
@@ -148,7 +141,7 @@ void shear_hashing_free(shear_hashing *h) {
 }
 
 int64_t shear_hashing_bytes(const shear_hashing *h) {
-    return h->before + (h->open ? h->file.offset : 0);
+    return h->before + h->file.offset;
 }
 
 /* Begin the next part: open its file, or skip it if there is nothing to read for it. */
@@ -157,25 +150,21 @@ static int begin_part(shear_hashing *h, shear_error *err) {
         h->part++;
         return SHEAR_OK;
     }
-    const int code =
-        stream_open(&h->file, path_of(h, h->part), h->fds != NULL ? h->fds[h->part] : -1, err);
     XXH3_128bits_reset(h->state);
-    h->open = code == SHEAR_OK;
-    return code;
+    return stream_open(&h->file, path_of(h, h->part), h->fds != NULL ? h->fds[h->part] : -1, err);
 }
 
 static void end_part(shear_hashing *h) {
     write_hex(XXH3_128bits_digest(h->state), h->parts[h->part].sum);
     h->before += h->file.offset;
     stream_close(&h->file);
-    h->open = false;
     h->part++;
 }
 
 /* Read one buffer of the current part, or begin or end it. */
 static int hash_some(shear_hashing *h, shear_error *err) {
     size_t count = 0;
-    if (!h->open)
+    if (h->file.fd < 0)
         return begin_part(h, err);
     TRY(stream_read(&h->file, h->buffer, &count, err));
     if (count > 0) {

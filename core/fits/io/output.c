@@ -15,6 +15,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* Fail unless CFITSIO's status is 0. */
+static int check_status(const sf_output *out, int status, const char *doing, shear_error *err) {
+    return sf_check_status(err, (sf_place){out->name, NULL}, status, doing);
+}
+
 static int exists(const sf_output *out, shear_error *err) {
     return sf_fail(err, SHEAR_E_EXISTS, (sf_place){out->name, NULL},
                    "choose another name, or allow it to be replaced", "exists already");
@@ -84,9 +89,7 @@ static int create_file(sf_output *out, shear_error *err) {
     name_for_cfitsio(out, proc);
     out->exists = true;
     fits_create_diskfile(&out->fits, proc, &status);
-    return status == 0
-               ? SHEAR_OK
-               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be created");
+    return check_status(out, status, "cannot be created", err);
 }
 
 int sf_output_create(sf_output *out, const char *path, bool overwrite, shear_error *err) {
@@ -102,9 +105,7 @@ static int close_fits(sf_output *out, shear_error *err) {
     int status = 0;
     fits_close_file(out->fits, &status);
     out->fits = NULL;
-    return status == 0
-               ? SHEAR_OK
-               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be completed");
+    return check_status(out, status, "cannot be completed", err);
 }
 
 /* Make the file at least `bytes` long, and sync it to disk. */
@@ -146,16 +147,10 @@ static int put_in_place(sf_output *out, shear_error *err) {
                : sf_fail_errno(err, at, errno, "its directory cannot be brought to disk");
 }
 
-static int close_and_sync(sf_output *out, shear_error *err) {
-    TRY(close_fits(out, err));
-    return sync_file(out, 0, err);
-}
-
 int sf_output_commit(sf_output *out, shear_error *err) {
-    int rc = close_and_sync(out, err);
-    rc = rc != SHEAR_OK ? rc : put_in_place(out, err);
-    sf_output_discard(out);
-    return rc;
+    TRY(close_fits(out, err));
+    TRY(sync_file(out, 0, err));
+    return put_in_place(out, err);
 }
 
 void sf_output_discard(sf_output *out) {
@@ -204,9 +199,7 @@ int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, v
     TRY(check(proc, context, err));
     out->exists = true;
     fits_open_diskfile(&out->fits, proc, READWRITE, &status);
-    return status == 0
-               ? SHEAR_OK
-               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be gone on with");
+    return check_status(out, status, "cannot be gone on with", err);
 }
 
 int sf_output_sync(sf_output *out, shear_error *err) {
@@ -214,8 +207,7 @@ int sf_output_sync(sf_output *out, shear_error *err) {
     int status = 0;
     fits_flush_file(out->fits, &status);
     fits_get_hduaddrll(out->fits, NULL, NULL, &end, &status);
-    if (status != 0)
-        return sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be written");
+    TRY(check_status(out, status, "cannot be written", err));
     return sync_file(out, end, err);
 }
 

@@ -26,8 +26,8 @@ typedef struct sf_output {
  * SHEAR_E_FULL. Call sf_output_discard after an error. */
 int sf_output_create(sf_output *out, const char *path, bool overwrite, shear_error *err);
 
-/* Close, sync and rename. On error the temporary file is removed. SHEAR_E_EXISTS if the name was
- * taken meanwhile. */
+/* Close, sync and rename. SHEAR_E_EXISTS if the name was taken meanwhile. Call sf_output_discard
+ * afterwards in any case. */
 int sf_output_commit(sf_output *out, shear_error *err);
 
 /* Close and remove the temporary file. */

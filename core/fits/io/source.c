@@ -36,39 +36,42 @@ static const char *kind_of(mode_t mode) {
     return "a device";
 }
 
-int sf_check_regular(int fd, sf_place at, int64_t *bytes, shear_error *err) {
+static int open_path(const char *path, sf_place at, int *out, shear_error *err) {
+    /* O_NONBLOCK: opening a FIFO without a writer must not block. */
+    *out = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (*out >= 0)
+        return SHEAR_OK;
+    return errno == ENXIO ? sf_fail(err, SHEAR_E_IO, at, "give a regular file",
+                                    "is a socket or a device, not a regular file")
+                          : sf_fail_errno(err, at, errno, "cannot be opened");
+}
+
+/* The duplicate has the same offset, so only pread is used. */
+static int duplicate(int fd, sf_place at, int *out, shear_error *err) {
+    const int mode = fcntl(fd, F_GETFL);
+    if (mode < 0)
+        return sf_fail_errno(err, at, errno, "its descriptor cannot be used");
+    if ((mode & O_ACCMODE) == O_WRONLY || (mode & O_PATH) != 0)
+        return sf_fail(err, SHEAR_E_IO, at, NULL, "its descriptor is not open for reading");
+    *out = fcntl(fd, F_DUPFD_CLOEXEC, 0);
+    return *out >= 0 ? SHEAR_OK : sf_fail_errno(err, at, errno, "cannot be duplicated");
+}
+
+int sf_open_regular(const char *path, int fd, sf_place at, int *out, int64_t *bytes,
+                    shear_error *err) {
     struct stat st;
-    if (fstat(fd, &st) != 0)
+    CLEANUP(release_fd) int opened = -1;
+    TRY(fd >= 0 ? duplicate(fd, at, &opened, err) : open_path(path, at, &opened, err));
+    if (fstat(opened, &st) != 0)
         return sf_fail_errno(err, at, errno, "cannot be examined");
     if (!S_ISREG(st.st_mode)) {
         return sf_fail(err, SHEAR_E_IO, at, "give a regular file", "is %s, not a regular file",
                        kind_of(st.st_mode));
     }
     *bytes = st.st_size;
+    *out = opened;
+    opened = -1;
     return SHEAR_OK;
-}
-
-int sf_open_regular(const char *path, sf_place at, int *fd, int64_t *bytes, shear_error *err) {
-    /* O_NONBLOCK: opening a FIFO without a writer must not block. */
-    *fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    if (*fd < 0) {
-        return errno == ENXIO ? sf_fail(err, SHEAR_E_IO, at, "give a regular file",
-                                        "is a socket or a device, not a regular file")
-                              : sf_fail_errno(err, at, errno, "cannot be opened");
-    }
-    const int rc = sf_check_regular(*fd, at, bytes, err);
-    if (rc != SHEAR_OK) {
-        close(*fd);
-        *fd = -1;
-    }
-    return rc;
-}
-
-static void prepare(sf_source *s, const char *path) {
-    *s = (sf_source){.fd = -1};
-    sf_printable_name(s->name, sizeof s->name, path);
-    const char *slash = strrchr(path, '/');
-    text_set(s->base, sizeof s->base, slash != NULL ? slash + 1 : path);
 }
 
 /* Unpack the file if it is gzipped; then s->fd must begin like FITS. */
@@ -93,32 +96,17 @@ static int look_inside(sf_source *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-int sf_source_open(sf_source *s, const char *path, shear_error *err) {
-    prepare(s, path);
-    const sf_place at = {s->name, NULL};
-    const int rc = sf_open_regular(path, at, &s->fd, &s->file_bytes, err);
+int sf_source_open(sf_source *s, const char *path, int fd, shear_error *err) {
+    const char *slash = strrchr(path, '/');
+    *s = (sf_source){.fd = -1};
+    sf_printable_name(s->name, sizeof s->name, path);
+    text_set(s->base, sizeof s->base, slash != NULL ? slash + 1 : path);
+    TRY(sf_open_regular(path, fd, (sf_place){s->name, NULL}, &s->fd, &s->file_bytes, err));
     s->size = s->file_bytes;
-    return rc != SHEAR_OK ? rc : look_inside(s, err);
-}
-
-int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err) {
-    prepare(s, name);
-    const sf_place at = {s->name, NULL};
-    const int mode = fcntl(fd, F_GETFL);
-    if (mode < 0)
-        return sf_fail_errno(err, at, errno, "its descriptor cannot be used");
-    if ((mode & O_ACCMODE) == O_WRONLY || (mode & O_PATH) != 0)
-        return sf_fail(err, SHEAR_E_IO, at, NULL, "its descriptor is not open for reading");
-    TRY(sf_check_regular(fd, at, &s->file_bytes, err));
-    s->size = s->file_bytes;
-    s->fd = fcntl(fd, F_DUPFD_CLOEXEC,
-                  0); /* the offset is shared with the caller's descriptor, so only pread is used */
-    return s->fd >= 0 ? look_inside(s, err) : sf_fail_errno(err, at, errno, "cannot be duplicated");
+    return look_inside(s, err);
 }
 
 void sf_source_close(sf_source *s) {
-    if (s->fd >= 0) {
-        close(s->fd);
-        s->fd = -1;
-    }
+    release_fd(&s->fd);
+    s->fd = -1;
 }

@@ -17,16 +17,15 @@ typedef struct sf_source {
     char base[256]; /* base name as given */
 } sf_source;
 
-/* Open a file. SHEAR_E_IO: cannot be opened, not a regular file, no space to unpack;
- * SHEAR_E_FORMAT: empty, not FITS, bad gzip. Call sf_source_close after an error, too. */
-int sf_source_open(sf_source *s, const char *path, shear_error *err);
-/* Open a duplicate of the caller's descriptor, whose offset does not change. */
-int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err);
+/* Open `path`, or, if fd >= 0, a duplicate of the caller's descriptor, whose offset does not
+ * change; `path` is then its name. SHEAR_E_IO: cannot be opened, not a regular file, no space to
+ * unpack; SHEAR_E_FORMAT: empty, not FITS, bad gzip. Call sf_source_close after an error, too. */
+int sf_source_open(sf_source *s, const char *path, int fd, shear_error *err);
 void sf_source_close(sf_source *s);
 
-/* Open `path` for reading; *fd is a regular file, *bytes its size. SHEAR_E_IO. */
-int sf_open_regular(const char *path, sf_place at, int *fd, int64_t *bytes, shear_error *err);
-/* Set *bytes to the size of `fd`, which must be a regular file. SHEAR_E_IO. */
-int sf_check_regular(int fd, sf_place at, int64_t *bytes, shear_error *err);
+/* Open `path`, or duplicate `fd` if it is not negative; *out is a regular file, *bytes its size.
+ * SHEAR_E_IO. */
+int sf_open_regular(const char *path, int fd, sf_place at, int *out, int64_t *bytes,
+                    shear_error *err);
 /* Format a path for messages: control characters replaced, a long path shortened from the left. */
 void sf_printable_name(char *out, size_t size, const char *path);

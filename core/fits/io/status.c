@@ -40,7 +40,16 @@ static int code_of(int status, int number) {
     }
 }
 
-int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing) {
+void sf_make_printable(char *text) {
+    for (char *c = text; *c != '\0'; c++) {
+        if (*c < ' ' || *c > '~')
+            *c = '?';
+    }
+}
+
+int sf_check_status(shear_error *err, sf_place at, int status, const char *doing) {
+    if (status == 0)
+        return SHEAR_OK;
     char text[FLEN_STATUS] = "";
     char detail[FLEN_ERRMSG] = "";
     const int number = errno;
@@ -49,10 +58,7 @@ int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing)
     if (fits_read_errmsg(detail) == 0)
         detail[0] = '\0';
     fits_clear_errmsg();
-    for (char *c = detail; *c != '\0'; c++) {
-        if (*c < ' ' || *c > '~')
-            *c = '?';
-    }
+    sf_make_printable(detail);
     const int code = code_of(status, number);
     const char *advice = code == SHEAR_E_IO     ? "check the disk's free space and permissions"
                          : code == SHEAR_E_FULL ? full_advice

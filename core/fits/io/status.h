@@ -13,12 +13,15 @@ typedef struct sf_place {
 int sf_fail(shear_error *err, int code, sf_place at, const char *advice, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
-/* Fail with a CFITSIO status: "...: <doing>: <CFITSIO's message>". Clears CFITSIO's message stack,
- * which is global. Memory and write failures have their own codes; everything else is
- * SHEAR_E_FORMAT. */
-int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing);
+/* Fail unless a CFITSIO status is 0: "...: <doing>: <CFITSIO's message>". A failure clears
+ * CFITSIO's message stack, which is global. Memory and write failures have their own codes;
+ * everything else is SHEAR_E_FORMAT. */
+int sf_check_status(shear_error *err, sf_place at, int status, const char *doing);
 
 /* Fail with an errno: SHEAR_E_IO, SHEAR_E_FULL or SHEAR_E_NOMEM. */
 int sf_fail_errno(shear_error *err, sf_place at, int number, const char *doing);
 
 int sf_fail_memory(shear_error *err, sf_place at);
+
+/* Replace all that is not printable ASCII by '?'. */
+void sf_make_printable(char *text);

@@ -22,38 +22,26 @@ static int64_t half(int64_t n) {
     return (n + 1) / 2;
 }
 
-/* Read a node's four bits. Nodes with one bit set have the shortest codes. */
+/* Read a node's four bits. Nodes with one bit set have the shortest codes; those of one length are
+ * consecutive numbers (a canonical Huffman code). */
 static bool read_node(sf_bits *b, unsigned char *node) {
-    static const unsigned char four[] = {3, 5, 10, 12, 15};
-    static const unsigned char five[] = {6, 7, 9, 11, 13};
-    int code = 0;
-    int bit = 0;
-    if (!sf_bits_read(b, 3, &code))
-        return false;
-    if (code < 4) {
-        *node = (unsigned char)(1 << code);
-        return true;
+    enum { SHORTEST = 3, LENGTHS = 4 };
+    static const int n_of_length[LENGTHS] = {4, 5, 5, 2};
+    static const unsigned char nodes[] = {1, 2, 4, 8, 3, 5, 10, 12, 15, 6, 7, 9, 11, 13, 0, 14};
+    const unsigned char *first = nodes; /* of this length */
+    int code = 0;                       /* minus the code of *first */
+    for (int i = 0; i < LENGTHS; first += n_of_length[i++]) {
+        int bits = 0;
+        if (!sf_bits_read(b, i == 0 ? SHORTEST : 1, &bits))
+            return false;
+        code = 2 * code + bits;
+        if (code < n_of_length[i]) {
+            *node = first[code];
+            return true;
+        }
+        code -= n_of_length[i];
     }
-    if (!sf_bits_read(b, 1, &bit))
-        return false;
-    code = 2 * code + bit;
-    if (code < 13) {
-        *node = four[code - 8];
-        return true;
-    }
-    if (!sf_bits_read(b, 1, &bit))
-        return false;
-    code = 2 * code + bit;
-    if (code < 31) {
-        *node = five[code - 26];
-        return true;
-    }
-    *node = 14;
-    if (!sf_bits_read(b, 1, &bit))
-        return false;
-    if (bit == 0)
-        *node = 0;
-    return true;
+    return false;
 }
 
 /* Return the bit of (x, y) in the node above it. */
@@ -139,18 +127,14 @@ static bool read_signs(walk *w, int64_t pixels) {
     return sf_bits_skip(&w->bits, signs);
 }
 
-static int64_t big_endian_32(const unsigned char *b) {
-    return (int32_t)((uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]);
-}
-
 bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, const int64_t sides[3],
                         bool wide, unsigned char *work) {
     enum { NX = 2, NY = 6, PLANES = 22, HEADER = 25, MIN_SIDE = 2 };
     static const unsigned char magic[2] = {0xdd, 0x99};
     if (count < HEADER || memcmp(bytes, magic, sizeof magic) != 0)
         return false;
-    const int64_t nx = big_endian_32(bytes + NX);
-    const int64_t ny = big_endian_32(bytes + NY);
+    const int64_t nx = (int32_t)sf_bits_big_endian(bytes + NX, 4);
+    const int64_t ny = (int32_t)sf_bits_big_endian(bytes + NY, 4);
     const int64_t pixels = nx * ny;
     const unsigned char *planes = bytes + PLANES;
     const int most = wide ? 62 : 31;

@@ -4,7 +4,6 @@
 #include "base/cleanup.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static int check_header(const sf_hdu *hdu, sf_place at, shear_error *err) {
@@ -46,36 +45,29 @@ static int set_tiled(sf_image *image, const sf_file *file, const sf_hdu *hdu, sh
 /* Write the header of a plain image for CFITSIO, as a primary HDU. */
 static int show_plain(sf_image *image, double scale, double zero, shear_error *err) {
     sf_view *v = &image->view;
-    int64_t blank = 0;
-    bool has_blank = false;
-    const int rc = image->bitpix > 0 ? sf_key_int(&image->cards, "BLANK", INT64_MIN, INT64_MAX,
-                                                  &blank, &has_blank, err)
-                                     : SHEAR_OK;
+    int64_t blank = SF_ABSENT;
+    if (image->bitpix > 0)
+        TRY(sf_key_int(&image->cards, "BLANK", INT64_MIN, INT64_MAX, &blank, err));
     sf_view_logical(v, "SIMPLE", true);
     sf_view_int(v, "BITPIX", image->bitpix);
     sf_view_int(v, "NAXIS", image->naxis);
     for (int k = 0; k < image->naxis; k++) {
-        char key[24];
-        snprintf(key, sizeof key, "NAXIS%d", k + 1);
-        sf_view_int(v, key, image->axes[k]);
+        char key[SF_INDEXED];
+        sf_view_int(v, sf_card_indexed(key, "NAXIS", k + 1), image->axes[k]);
     }
-    if (scale != 1.0 || zero != 0.0) {
-        sf_view_double(v, "BSCALE", scale);
-        sf_view_double(v, "BZERO", zero);
-    }
-    if (has_blank)
+    sf_view_scale(v, scale, zero);
+    if (blank != SF_ABSENT)
         sf_view_int(v, "BLANK", blank);
     sf_view_end(v);
-    return rc;
+    return SHEAR_OK;
 }
 
 static int show(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
     double scale = 1.0;
     double zero = 0.0;
-    bool found = false;
     sf_view_init(&image->view, file, hdu);
-    TRY(sf_key_double(&image->cards, "BSCALE", &scale, &found, err));
-    TRY(sf_key_double(&image->cards, "BZERO", &zero, &found, err));
+    TRY(sf_key_double(&image->cards, "BSCALE", &scale, err));
+    TRY(sf_key_double(&image->cards, "BZERO", &zero, err));
     if (scale == 0.0)
         return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, NULL, "keyword BSCALE is 0");
     if (!image->compressed)
@@ -90,10 +82,9 @@ int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const
     TRY(check_header(hdu, image->cards.at, err));
     TRY(sf_cards_init(&image->cards, file, hdu, label, err));
     TRY(hdu->zimage ? set_tiled(image, file, hdu, err) : set_plain(image, hdu));
-    int rc = show(image, file, hdu, err);
-    return rc != SHEAR_OK ? rc
-                          : sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at,
-                                         &image->fits, err);
+    TRY(show(image, file, hdu, err));
+    return sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at, &image->fits,
+                        err);
 }
 
 void sf_image_deinit(sf_image *image) {
@@ -134,6 +125,5 @@ int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t s
     } else {
         fits_read_subset(image->fits, TDOUBLE, low, high, step, &null, out, &any_null, &status);
     }
-    return status == 0 ? SHEAR_OK
-                       : sf_fail_status(err, image->cards.at, status, "its pixels cannot be read");
+    return sf_check_status(err, image->cards.at, status, "its pixels cannot be read");
 }

@@ -3,10 +3,8 @@
 
 #include "base/cleanup.h"
 #include "base/text.h"
-#include "fits/header/card.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* CFITSIO holds a tile, and a row of tiles, in memory as doubles, and numbers tiles with an int, to
@@ -21,24 +19,26 @@ static int bad(const sf_table *t, const char *what, shear_error *err) {
                    "tile compression: %s", what);
 }
 
+const char *const sf_tile_columns[SF_TILE_COLUMNS] = {
+    "COMPRESSED_DATA", "GZIP_COMPRESSED_DATA", "UNCOMPRESSED_DATA", "ZSCALE", "ZZERO", "ZBLANK"};
+
 /* ---- sizes ---- */
 
 static int read_axis(sf_tiling *t, const sf_table *table, int k, shear_error *err) {
-    char key[SF_KEY + 16];
-    bool found = false;
+    char key[SF_INDEXED];
     t->axes[k] = t->tile[k] = t->grid[k] = 1;
     if (k >= t->naxis)
         return SHEAR_OK;
-    snprintf(key, sizeof key, "ZNAXIS%d", k + 1);
+    sf_card_indexed(key, "ZNAXIS", k + 1);
     TRY(sf_need_int(table->cards, key, 1, INT32_MAX, &t->axes[k], err));
     t->tile[k] = k == 0 ? t->axes[0] : 1;
-    snprintf(key, sizeof key, "ZTILE%d", k + 1);
-    int rc = sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], &found, err);
+    sf_card_indexed(key, "ZTILE", k + 1);
+    TRY(sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], err));
     if (t->tile[k] > t->axes[k]) { /* this gives the same tiles */
         t->tile[k] = t->axes[k];
     }
     t->grid[k] = (t->axes[k] - 1) / t->tile[k] + 1;
-    return rc;
+    return SHEAR_OK;
 }
 
 static int check_sizes(const sf_tiling *t, const sf_table *table, shear_error *err) {
@@ -65,10 +65,10 @@ static int check_sizes(const sf_tiling *t, const sf_table *table, shear_error *e
 }
 
 static int read_sizes(sf_tiling *t, const sf_table *table, shear_error *err) {
-    int rc = sf_need_int(table->cards, "ZNAXIS", 2, SF_AXES, &t->naxis, err);
-    for (int k = 0; k < SF_AXES && rc == SHEAR_OK; k++)
-        rc = read_axis(t, table, k, err);
-    return rc == SHEAR_OK ? check_sizes(t, table, err) : rc;
+    TRY(sf_need_int(table->cards, "ZNAXIS", 2, SF_AXES, &t->naxis, err));
+    for (int k = 0; k < SF_AXES; k++)
+        TRY(read_axis(t, table, k, err));
+    return check_sizes(t, table, err);
 }
 
 /* ---- algorithm ---- */
@@ -77,10 +77,10 @@ static int read_sizes(sf_tiling *t, const sf_table *table, shear_error *err) {
 static int read_word(const sf_table *table, const char *key, const char *const *words, int *out,
                      shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
-    const int rc = sf_key_string(table->cards, key, &text, err);
     *out = -1;
-    if (rc != SHEAR_OK || text == NULL)
-        return rc;
+    TRY(sf_key_string(table->cards, key, &text, err));
+    if (text == NULL)
+        return SHEAR_OK;
     for (int i = 0; words[i] != NULL; i++) {
         if (strcmp(text, words[i]) == 0) {
             *out = i;
@@ -121,31 +121,26 @@ static int read_algorithm(sf_tiling *t, const sf_table *table, shear_error *err)
 /* Read a parameter, which is identified by its position. If it has a name, it must be the one that
  * belongs there. */
 static int read_parameter(const sf_table *table, int i, const char *name, int64_t min, int64_t max,
-                          int64_t *value, bool *found, shear_error *err) {
-    char key[SF_KEY + 16];
+                          int64_t *value, shear_error *err) {
+    char key[SF_INDEXED];
     CLEANUP(release_free) char *text = NULL;
-    snprintf(key, sizeof key, "ZNAME%d", i);
-    const int rc = sf_key_string(table->cards, key, &text, err);
-    *found = false;
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_key_string(table->cards, sf_card_indexed(key, "ZNAME", i), &text, err));
     if (text != NULL && strcmp(text, name) != 0) {
         const bool old = i == 2 && strcmp(text, "NOISEBIT") == 0; /* files from before 2010 */
         return old ? SHEAR_OK
                    : sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
                              "tile compression: %s is not '%s', which belongs there", key, name);
     }
-    snprintf(key, sizeof key, "ZVAL%d", i);
-    return sf_key_int(table->cards, key, min, max, value, found, err);
+    return sf_key_int(table->cards, sf_card_indexed(key, "ZVAL", i), min, max, value, err);
 }
 
 static int read_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
-    bool found = false;
-    TRY(read_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, &found, err));
-    if (!found || (t->block != 16 && t->block != 32))
+    t->block = SF_ABSENT;
+    TRY(read_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, err));
+    if (t->block != 16 && t->block != 32)
         return bad(table, "RICE needs ZVAL1 (the block size) 16 or 32", err);
     t->width = 4;
-    TRY(read_parameter(table, 2, "BYTEPIX", 1, 4, &t->width, &found, err));
+    TRY(read_parameter(table, 2, "BYTEPIX", 1, 4, &t->width, err));
     return t->width == 4 || (t->bitpix > 0 && t->width != 3)
                ? SHEAR_OK
                : bad(table,
@@ -154,13 +149,12 @@ static int read_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
 }
 
 static int read_hcompress(sf_tiling *t, const sf_table *table, shear_error *err) {
-    double scale = 0.0; /* ignored: the stream has its own scale */
+    double scale = NAN; /* ignored: the stream has its own scale */
     int64_t smooth = 0;
-    bool found = false;
-    TRY(sf_key_double(table->cards, "ZVAL1", &scale, &found, err));
-    if (!found)
+    TRY(sf_key_double(table->cards, "ZVAL1", &scale, err));
+    if (isnan(scale))
         return bad(table, "HCOMPRESS needs ZVAL1 (the scale)", err);
-    TRY(read_parameter(table, 2, "SMOOTH", 0, 1, &smooth, &found, err));
+    TRY(read_parameter(table, 2, "SMOOTH", 0, 1, &smooth, err));
     t->smooth = smooth != 0;
     return t->tile[0] >= 4 && t->tile[1] >= 4 && t->tile[2] == 1
                ? SHEAR_OK
@@ -176,22 +170,15 @@ static bool is_variable(const sf_column *c, const char *elements) {
 
 /* Return whether the column's cells are plain numbers: not scaled, without a null value. */
 static bool is_unscaled(const sf_column *c) {
-    double v = 0.0;
-    return !c->twice && c->null == NULL &&
-           (c->scale == NULL || (sf_card_double(c->scale, &v) && v == 1.0)) &&
-           (c->zero == NULL || (sf_card_double(c->zero, &v) && v == 0.0));
+    return c->by.wrong == NULL && c->by.null_card == NULL && c->by.scale == 1.0 &&
+           c->by.zero == 0.0;
 }
 
 static int read_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
-    static const char *const names[SF_TILE_COLUMNS] = {
-        "COMPRESSED_DATA", "GZIP_COMPRESSED_DATA", "UNCOMPRESSED_DATA", "ZSCALE", "ZZERO",
-        "ZBLANK"};
     const char *const elements[] = {t->algorithm == SF_PLIO ? "I" : "B", "B", "BIJED"};
     for (int i = 0; i < SF_TILE_COLUMNS; i++) {
-        const int rc = sf_table_find(table, names[i], &t->column[i], err);
+        TRY(sf_table_find(table, sf_tile_columns[i], &t->column[i], err));
         const sf_column *c = t->column[i];
-        if (rc != SHEAR_OK)
-            return rc;
         if (c == NULL)
             continue;
         const bool sound =
@@ -202,7 +189,7 @@ static int read_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
             return sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
                            "tile compression: column %s has the wrong type (TFORM), or TSCAL, "
                            "TZERO or TNULL",
-                           names[i]);
+                           sf_tile_columns[i]);
         }
     }
     return t->column[SF_DATA] != NULL ? SHEAR_OK
@@ -212,9 +199,8 @@ static int read_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
 static int read_heap(sf_tiling *t, const sf_table *table, shear_error *err) {
     const sf_hdu *hdu = table->hdu;
     const int64_t rows = hdu->axes[0] * hdu->axes[1]; /* within data_bytes, which was checked */
-    bool found = false;
     t->heap = rows;
-    return sf_key_int(table->cards, "THEAP", rows, hdu->data_bytes, &t->heap, &found, err);
+    return sf_key_int(table->cards, "THEAP", rows, hdu->data_bytes, &t->heap, err);
 }
 
 /* ---- how pixels are converted ---- */
@@ -225,10 +211,9 @@ static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *e
     static const char *const words[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1", "SUBTRACTIVE_DITHER_2",
                                         "NONE", NULL};
     int word = -1;
-    bool found = false;
     TRY(read_word(table, "ZQUANTIZ", words, &word, err));
     t->seed = 1;
-    TRY(sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, &found, err));
+    TRY(sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, err));
     const bool gzip = t->algorithm == SF_GZIP_1 || t->algorithm == SF_GZIP_2;
     const bool scaled = t->column[SF_ZSCALE] != NULL && t->column[SF_ZZERO] != NULL;
     if (word == 3 && (t->bitpix > 0 || !gzip))
@@ -246,23 +231,21 @@ static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *e
 
 /* Read ZSCALE and ZZERO as keywords, for pixels without such columns. */
 static int read_scale(sf_tiling *t, const sf_table *table, shear_error *err) {
-    bool has_zero = false;
-    t->scale = 1.0;
-    t->zero = 0.0;
-    TRY(sf_key_double(table->cards, "ZSCALE", &t->scale, &t->has_scale, err));
-    TRY(sf_key_double(table->cards, "ZZERO", &t->zero, &has_zero, err));
-    t->has_scale = (t->has_scale || has_zero) && t->column[SF_ZSCALE] == NULL;
+    double scale = NAN;
+    double zero = NAN;
+    TRY(sf_key_double(table->cards, "ZSCALE", &scale, err));
+    TRY(sf_key_double(table->cards, "ZZERO", &zero, err));
+    t->has_scale = (!isnan(scale) || !isnan(zero)) && t->column[SF_ZSCALE] == NULL;
+    t->scale = isnan(scale) ? 1.0 : scale;
+    t->zero = isnan(zero) ? 0.0 : zero;
     return t->scale != 0.0 ? SHEAR_OK : bad(table, "ZSCALE is 0", err);
 }
 
 static int read_numbers(sf_tiling *t, const sf_table *table, shear_error *err) {
-    static const char *const keys[] = {"ZBLANK", "BLANK"};
-    for (int i = 0; i < 2 && !t->has_blank; i++) {
-        const int rc =
-            sf_key_int(table->cards, keys[i], INT32_MIN, INT32_MAX, &t->blank, &t->has_blank, err);
-        if (rc != SHEAR_OK)
-            return rc;
-    }
+    t->blank = SF_ABSENT;
+    TRY(sf_key_int(table->cards, "ZBLANK", INT32_MIN, INT32_MAX, &t->blank, err));
+    if (t->blank == SF_ABSENT)
+        TRY(sf_key_int(table->cards, "BLANK", INT32_MIN, INT32_MAX, &t->blank, err));
     return read_scale(t, table, err);
 }
 

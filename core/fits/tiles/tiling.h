@@ -11,6 +11,7 @@ enum sf_dither { SF_UNDITHERED, SF_DITHER_1, SF_DITHER_2 };
 /* Columns of the table: the tiles' data, and the numbers of each tile. */
 enum sf_tile_column { SF_DATA, SF_GZIP_DATA, SF_RAW_DATA, SF_ZSCALE, SF_ZZERO, SF_ZBLANK };
 enum { SF_TILE_COLUMNS = 6 };
+extern const char *const sf_tile_columns[SF_TILE_COLUMNS]; /* their names */
 
 typedef struct sf_tiling {
     enum sf_algorithm algorithm;
@@ -22,9 +23,8 @@ typedef struct sf_tiling {
     int64_t seed;                         /* ZDITHER0 */
     int64_t block, width;                 /* Rice: pixels per block; bytes per pixel */
     bool smooth;                          /* H-compress: smoothing */
-    bool has_blank;
-    int64_t blank;
-    bool has_scale; /* ZSCALE and ZZERO are keywords, of integer pixels */
+    int64_t blank;                        /* or SF_ABSENT */
+    bool has_scale;                       /* ZSCALE and ZZERO are keywords, of integer pixels */
     double scale, zero;
     const sf_column *column[SF_TILE_COLUMNS]; /* NULL: the column is absent */
     int64_t heap;                             /* offset of the heap in the HDU's data */

@@ -2,14 +2,7 @@
 /* sf_tiling_show: write the header of a compressed image for CFITSIO. */
 #include "fits/tiles/tiling.h"
 
-#include "fits/header/card.h"
-
 #include <stdio.h>
-
-static const char *indexed(char out[SF_KEY + 16], const char *root, int i) {
-    snprintf(out, SF_KEY + 16, "%s%d", root, i + 1);
-    return out;
-}
 
 static void show_primary(sf_view *v) {
     sf_view_logical(v, "SIMPLE", true);
@@ -34,19 +27,16 @@ static void show_table(const sf_tiling *t, const sf_table *table, sf_view *v) {
 
 /* Columns that do not belong to the image are described as characters without a name. */
 static void show_column(const sf_tiling *t, const sf_column *c, int i, sf_view *v) {
-    static const char *const names[SF_TILE_COLUMNS] = {
-        "COMPRESSED_DATA", "GZIP_COMPRESSED_DATA", "UNCOMPRESSED_DATA", "ZSCALE", "ZZERO",
-        "ZBLANK"};
-    char key[SF_KEY + 16];
+    char key[SF_INDEXED];
     char form[32];
     snprintf(form, sizeof form, "%lldA", (long long)c->width);
     for (int k = 0; k < SF_TILE_COLUMNS; k++) {
         if (t->column[k] == c) {
-            sf_view_string(v, indexed(key, "TTYPE", i), names[k]);
+            sf_view_string(v, sf_card_indexed(key, "TTYPE", i + 1), sf_tile_columns[k]);
             snprintf(form, sizeof form, "1%c%c", c->type, k <= SF_RAW_DATA ? c->element : '\0');
         }
     }
-    sf_view_string(v, indexed(key, "TFORM", i), form);
+    sf_view_string(v, sf_card_indexed(key, "TFORM", i + 1), form);
 }
 
 static void show_algorithm(const sf_tiling *t, sf_view *v) {
@@ -69,21 +59,18 @@ static void show_numbers(const sf_tiling *t, double bscale, double bzero, sf_vie
         sf_view_string(v, "ZQUANTIZ", t->lossless_float ? "NONE" : dithers[t->dither]);
         sf_view_int(v, "ZDITHER0", t->seed);
     }
-    if (t->has_blank)
+    if (t->blank != SF_ABSENT)
         sf_view_int(v, "ZBLANK", t->blank);
     if (t->has_scale) {
         sf_view_double(v, "ZSCALE", t->scale);
         sf_view_double(v, "ZZERO", t->zero);
     }
-    if (bscale != 1.0 || bzero != 0.0) {
-        sf_view_double(v, "BSCALE", bscale);
-        sf_view_double(v, "BZERO", bzero);
-    }
+    sf_view_scale(v, bscale, bzero);
 }
 
 void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, double bzero,
                     sf_view *view) {
-    char key[SF_KEY + 16];
+    char key[SF_INDEXED];
     show_primary(view);
     show_table(t, table, view);
     for (int i = 0; i < table->n; i++)
@@ -92,8 +79,8 @@ void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, do
     sf_view_int(view, "ZBITPIX", t->bitpix);
     sf_view_int(view, "ZNAXIS", t->naxis);
     for (int k = 0; k < t->naxis; k++) {
-        sf_view_int(view, indexed(key, "ZNAXIS", k), t->axes[k]);
-        sf_view_int(view, indexed(key, "ZTILE", k), t->tile[k]);
+        sf_view_int(view, sf_card_indexed(key, "ZNAXIS", k + 1), t->axes[k]);
+        sf_view_int(view, sf_card_indexed(key, "ZTILE", k + 1), t->tile[k]);
     }
     show_algorithm(t, view);
     show_numbers(t, bscale, bzero, view);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/tiles/view.h"
 
+#include "base/cleanup.h"
 #include "fits/header/card.h"
 #include "fits/tiles/view_driver.h"
 
@@ -44,6 +45,13 @@ void sf_view_string(sf_view *v, const char *key, const char *value) {
     add_value(v, key, text);
 }
 
+void sf_view_scale(sf_view *v, double scale, double zero) {
+    if (scale != 1.0 || zero != 0.0) {
+        sf_view_double(v, "BSCALE", scale);
+        sf_view_double(v, "BZERO", zero);
+    }
+}
+
 void sf_view_end(sf_view *v) {
     add(v, "END");
     while (!v->header.failed && v->header.n % SF_BLOCK_BYTES != 0)
@@ -55,16 +63,9 @@ int sf_view_open(sf_view *v, int number, sf_place at, fitsfile **fits, shear_err
     if (v->header.failed)
         return sf_fail_memory(err, at);
     int status = 0;
-    int rc = sf_view_driver_open(v, fits, &status, err);
-    if (rc != SHEAR_OK)
-        return rc;
+    TRY(sf_view_driver_open(v, fits, &status, err));
     fits_movabs_hdu(*fits, number + 1, NULL, &status);
-    if (status != 0) {
-        rc = sf_fail_status(err, at, status, "cannot be opened");
-        sf_view_close(*fits);
-        *fits = NULL;
-    }
-    return rc;
+    return sf_check_status(err, at, status, "cannot be opened");
 }
 
 void sf_view_close(fitsfile *fits) {

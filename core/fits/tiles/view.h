@@ -26,11 +26,13 @@ void sf_view_logical(sf_view *v, const char *key, bool value);
 void sf_view_int(sf_view *v, const char *key, int64_t value);
 void sf_view_double(sf_view *v, const char *key, double value);
 void sf_view_string(sf_view *v, const char *key, const char *value); /* without quotes in it */
+/* Write BSCALE and BZERO, unless they are 1 and 0. */
+void sf_view_scale(sf_view *v, double scale, double zero);
 /* End a header. More headers may follow (only the last one has data). */
 void sf_view_end(sf_view *v);
 
-/* Open the view at its HDU `number` (from 0). *fits is NULL on error; close it before
- * sf_view_deinit. */
+/* Open the view at its HDU `number` (from 0). Close *fits before sf_view_deinit, also after an
+ * error. */
 int sf_view_open(sf_view *v, int number, sf_place at, fitsfile **fits, shear_error *err);
 void sf_view_close(fitsfile *fits);
 void sf_view_deinit(sf_view *v);

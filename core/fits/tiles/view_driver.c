@@ -53,8 +53,7 @@ void sf_view_driver_release(sf_view *v) {
 }
 
 static int64_t padded_bytes(const sf_view *v) {
-    return (int64_t)v->header.n +
-           (v->data_bytes + SF_BLOCK_BYTES - 1) / SF_BLOCK_BYTES * SF_BLOCK_BYTES;
+    return (int64_t)v->header.n + sf_padded(v->data_bytes);
 }
 
 static int on_open(char *name, int mode, int *handle) {
