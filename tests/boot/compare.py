@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""compare.py OLD OUT: what version 0.1 left (OLD: state.tar, jobs.json, fields.json) beside what the upgraded service made of
-it (OUT: sheard.db, jobs.json, fields.json): every row of the database and all that a client was told, to the last bit. New
-rows, columns and keys are allowed. One line a check, as the machine's."""
+"""compare.py OLD OUT: compare what version 0.1 left (OLD: state.tar, jobs.json, fields.json) with what the upgraded service
+made of it (OUT: sheard.db, jobs.json, fields.json): every row of the database and all that a client was told, to the last
+bit. New rows, columns and keys are allowed. Prints one line per check, in the format of machine.sh."""
 import json
 import os
 import sqlite3
@@ -13,10 +13,10 @@ JOBS = 1000
 KEYS = {"jobs": "id", "attempts": "job, number", "fields": "id", "contributions": "id",
         "contribution_terms": "contribution, part", "settings": "digest"}
 COUNTED = {"settings": {"uses"}}  # columns that later jobs may change
-# Told anew: of a dropped file its name and where it is now, no longer where it was while it was measured; and the name that the
-# owner's number has on this machine.
+# Reported in another way: a dropped file's name and where it is now, no longer where it was while it was measured; and the
+# name of the owner's number on this machine.
 RETOLD = {"source", "user"}
-# Made anew of the sums and terms that are what they were: errors round otherwise, and the symmetric estimator has better ones.
+# Computed again from the same sums and terms: errors are rounded differently, and the symmetric estimator's are better.
 ERRORS = {"g1_err", "g2_err"}
 SHEARS = {"g1", "g2"}
 

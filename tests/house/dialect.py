@@ -31,7 +31,8 @@ def pointer_tests(path, text):
         for rule in (r"(?<![\w>.])!\s*" + bare, r"\b(?:if|while)\s*\(" + bare + r"\s*(?=\)|&&|\|\|)",
                      r"(?:&&|\|\|)\s*" + bare + r"\s*(?=\)|&&|\|\||;|\?)", r"(?<![=!<>])=\s*" + bare + r"\s*\?"):
             for m in re.finditer(rule, body):
-                found.append((begin + body.count("\n", 0, m.start()), f"a pointer is asked without NULL: {m.group().strip()}"))
+                found.append((begin + body.count("\n", 0, m.start()),
+                              f"a pointer is asked without NULL: {m.group().strip()}"))
     return sorted(set(found))
 
 
@@ -65,6 +66,12 @@ def lengths(path, text):
     found = [(0, f"file of {n} lines")] if n > 400 else []
     return found + [(begin, f"function {name} of {end - begin + 1} lines")
                     for name, begin, end in house.functions_of(text) if end - begin + 1 > 60]
+
+
+def python_lengths(path, text):
+    """Lines of Python of at most 125 columns."""
+    del path
+    return [(number, f"line of {len(line)} columns") for number, line in enumerate(text.split("\n"), 1) if len(line) > 125]
 
 
 def ladders(path, text):
@@ -127,14 +134,16 @@ def enums_as_ints(path, text):
     del path
     return [(number, f"{m.group(1)} is of an enum's type: {m.group(2)}")
             for number, line in enumerate(text.split("\n"), 1)
-            for m in [re.search(r"\bint (\w+)(?:\[\w+\])?;\s*/\* (enum \w+)", line)] if m and m.group(1) not in ("code", "failed")]
+            for m in [re.search(r"\bint (\w+)(?:\[\w+\])?;\s*/\* (enum \w+)", line)]
+            if m and m.group(1) not in ("code", "failed")]
 
 
 def stale_names(names):
     """A rule: a comment speaks of a source file that is not there; `names` are those that are."""
     def rule(path, text):
         del path
-        return [(line + token.count("\n", 0, m.start()), f"there is no {m.group()}") for line, token in house.comments_of(text)
+        return [(line + token.count("\n", 0, m.start()), f"there is no {m.group()}")
+                for line, token in house.comments_of(text)
                 for m in re.finditer(r"(?<![\w./<*-])[\w./-]*\w\.[ch]\b(?![\w(.])", token)
                 if m.group().split("/")[-1] not in names and "NAME" not in m.group() and not m.group().startswith("linux/")]
     return rule

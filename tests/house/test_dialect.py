@@ -14,6 +14,8 @@ SOURCES = TREE.sources()
 TESTS = TREE.files(".c", ".h", folders=("tests",))
 DOCUMENTS = [p for p in ("README.md", "CONTRIBUTING.md", "SECURITY.md") if (TREE.root / p).is_file()] + TREE.files(
     ".md", ".in", folders=("docs", "man", "validation"))
+PYTHON = [p for p in TREE.files(".py", "", folders=house.PRODUCT + ("tests", "scripts"))
+          if p.endswith(".py") or "python" in TREE.read(p).split("\n")[0]]
 # Headers that are not this project's.
 OUTSIDE = {name.split("/")[-1] for p in SOURCES + TESTS for name in re.findall(r"#include\s*<([^>]+)>", TREE.read(p))}
 WORDS = dialect.Words(house.rules("words.txt"))
@@ -40,6 +42,10 @@ class Dialect(house.Case):
 
     def test_lengths(self):
         self.nothing(found(dialect.lengths, SOURCES), "lengths", "long")
+
+    def test_lengths_of_python(self):
+        self.assertIn("scripts/map", PYTHON)
+        self.nothing(found(dialect.python_lengths, PYTHON), "python_lengths")
 
     def test_includes(self):
         self.nothing(found(dialect.include_style, SOURCES), "includes")

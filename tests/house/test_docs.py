@@ -12,7 +12,8 @@ import treemap
 TREE = house.Tree()
 MAP = TREE.read("docs/architecture.md")
 EVERY = house.run("git", "-C", str(house.ROOT), "ls-files").split() if (house.ROOT / ".git").exists() else TREE.files(
-    ".c", ".h", ".md", ".txt", ".py", ".in", ".cmake", folders=house.PRODUCT + ("tests", "docs", "man", "cmake", "completions"))
+    ".c", ".h", ".md", ".txt", ".py", ".in", ".cmake",
+    folders=house.PRODUCT + ("tests", "docs", "man", "cmake", "completions"))
 RECIPE = re.compile(r"<!-- recipe (\S+): (.*?) -->\n(.*?)<!-- end -->", re.S)
 FORMAT = re.compile(r"`([\w./*{},-]+)`")
 
@@ -37,7 +38,8 @@ def files_with(pattern):
     expression = re.compile(pattern)
     found = []
     for path in EVERY:
-        if re.match(r"tests/|bench/|validation/results/|validation/\w+\.md|[A-Z]+\.md|docs/(architecture|performance|accuracy)", path):
+        if re.match(r"tests/|bench/|validation/results/|validation/\w+\.md|[A-Z]+\.md"
+                    r"|docs/(architecture|performance|accuracy)", path):
             continue
         try:
             if expression.search(TREE.read(path)) or expression.search(path):
@@ -80,12 +82,14 @@ class Docs(house.Case):
                 self.assertTrue((house.ROOT / os.path.dirname(document) / target).exists(), f"{document}: {target}")
 
     def test_lines_of_the_readme(self):
-        self.nothing([("README.md", n, "120 columns and more") for n, line in enumerate(TREE.read("README.md").split("\n"), 1)
+        self.nothing([("README.md", n, "120 columns and more")
+                      for n, line in enumerate(TREE.read("README.md").split("\n"), 1)
                       if len(line) >= 120], "columns")
 
     def test_recipes(self):
         recipes = RECIPE.findall(MAP)
-        self.assertEqual([name for name, _, _ in recipes], ["setting", "measure", "method", "interpolation", "experiment", "reader"])
+        self.assertEqual([name for name, _, _ in recipes],
+                         ["setting", "measure", "method", "interpolation", "experiment", "reader"])
         for name, pattern, text in recipes:
             with self.subTest(name):
                 files = files_of_recipe(text)
@@ -104,7 +108,8 @@ class Docs(house.Case):
             with self.subTest(question):
                 self.assertTrue((house.ROOT / path).is_file(), path)
                 block = re.search(rf"<!-- files {os.path.dirname(path)} -->\n(.*?)<!-- end -->", MAP, re.S)
-                entry = [line for line in block.group(1).split("\n") if f"`{treemap.stem_of(os.path.basename(path))}." in line]
+                entry = [line for line in block.group(1).split("\n")
+                         if f"`{treemap.stem_of(os.path.basename(path))}." in line]
                 self.assertEqual(len(entry), 1)
                 self.assertIn(words.strip(), entry[0], "the words by which its line is found")
 

@@ -17,7 +17,8 @@ import test_links
 import test_rooms
 import treemap
 
-PLAN = [["floor", "core/include"], ["floor", "core/fits", "core/measure"], ["floor", "protocol/include"], ["floor", "protocol"],
+PLAN = [["floor", "core/include"], ["floor", "core/fits", "core/measure"], ["floor", "protocol/include"],
+        ["floor", "protocol"],
         ["floor", "daemon/store"], ["floor", "daemon/service"], ["floor", "client"], ["apart", "client", "daemon"],
         ["outside", "sqlite3.h", "daemon/store"], ["outside", "gsl", "mocks"], ["made", "shear/version.h"],
         ["root", ".", "core", "core/include", "protocol", "protocol/include", "daemon", "client"]]
@@ -94,9 +95,10 @@ class Objects(Made):
             subprocess.run([os.environ.get("CC", "cc"), "-c", self.root / path, "-o", self.root / obj], check=True)
             lines.append(f"build {obj}: C_COMPILER__x {path} || order")
         for target, inputs in targets.items():
-            inputs = [i if i.startswith("lib/") else os.path.join(os.path.dirname(i), "CMakeFiles/x.dir", os.path.basename(i)) + ".o"
+            inputs = [i if i.startswith("lib/")
+                      else os.path.join(os.path.dirname(i), "CMakeFiles/x.dir", os.path.basename(i)) + ".o"
                       for i in inputs]
-            lines.append(f"build {target}: C_LINKER {' '.join(inputs[:1])} $\n  {' '.join(inputs[1:])} | lib/none.a || order")
+            lines.append(f"build {target}: C_LINKER {inputs[0]} $\n  {' '.join(inputs[1:])} | lib/none.a || order")
         self.tree({"build.ninja": "\n".join(lines) + "\n"})
         return links.Links(self.root).uses
 
@@ -155,11 +157,13 @@ class Dialect(unittest.TestCase):
         self.assertEqual(self.wrong(dialect.ladders, "int f(void) {\n" + rung + "}\nint g(void) {\n" + rung + "}\n"), [])
 
     def test_enums(self):
-        self.assertEqual(len(self.wrong(dialect.enums_as_ints, "    int kind; /* enum axis_kind */\n    int code; /* enum shear_code */\n")), 1)
+        self.assertEqual(len(self.wrong(dialect.enums_as_ints,
+                                        "    int kind; /* enum axis_kind */\n    int code; /* enum shear_code */\n")), 1)
 
     def test_stale_names(self):
         rule = dialect.stale_names({"a.h"})
-        self.assertEqual(rule("", "/* see b/a.h and c.h, <x.h>, cmd_NAME.c */\nint a; // d.c\n"), [(1, "there is no c.h"), (2, "there is no d.c")])
+        self.assertEqual(rule("", "/* see b/a.h and c.h, <x.h>, cmd_NAME.c */\nint a; // d.c\n"),
+                         [(1, "there is no c.h"), (2, "there is no d.c")])
 
     def test_lengths(self):
         self.assertEqual(self.wrong(dialect.lengths, "\n" * 401), ["file of 401 lines"])
@@ -167,19 +171,25 @@ class Dialect(unittest.TestCase):
                          ["function f of 61 lines"])
         self.assertEqual(self.wrong(dialect.lengths, "int f(int a) {\n" + "    a++;\n" * 58 + "}\n"), [])
 
+    def test_lengths_of_python(self):
+        self.assertEqual(self.wrong(dialect.python_lengths, "x" * 125 + "\n" + "x" * 126 + "\n"), ["line of 126 columns"])
+
     def test_functions(self):
         text = ("static const int table[] = {\n    1,\n};\nint declared(int a);\nint f(void) {\n}\n\n"
                 "static int *g(int a,\n              int b) {\n    return \"}\";\n}\n")
         self.assertEqual(house.functions_of(text), [("f", 5, 6), ("g", 8, 11)])
 
     def test_includes(self):
-        for text in ('#include <stdio.h>\n\n#include "b/b.h"\n', '#include "b/b.h"\n#include "fits/file.h"\n', '#include "fits/inner.h"\n'):
+        for text in ('#include <stdio.h>\n\n#include "b/b.h"\n', '#include "b/b.h"\n#include "fits/file.h"\n',
+                     '#include "fits/inner.h"\n'):
             self.assertTrue(self.wrong(dialect.include_style, text), text)
-        self.assertEqual(self.wrong(dialect.include_style, '#include "fits/file.h"\n\n#include "b/b.h"\n\n#include <stdio.h>\n'), [])
+        self.assertEqual(self.wrong(dialect.include_style,
+                                    '#include "fits/file.h"\n\n#include "b/b.h"\n\n#include <stdio.h>\n'), [])
 
     def test_words(self):
         words = dialect.Words([["prose", "anew"], ["prose", "is_none"], ["name", "course"]])
-        self.assertEqual(words.of_source("", "/* made anew */\nint x; // there is\n/* a\n * is\n * none */\n"), [(1, "anew"), (4, "is_none")])
+        self.assertEqual(words.of_source("", "/* made anew */\nint x; // there is\n/* a\n * is\n * none */\n"),
+                         [(1, "anew"), (4, "is_none")])
         self.assertEqual(words.of_source("", 'int course_main; int of_course; int recourse; char *a = "course";\n'),
                          [(1, "course"), (1, "course")])
 
@@ -189,10 +199,16 @@ class Dialect(unittest.TestCase):
 
 class Map(Made):
     def test_lines(self):
-        tree = self.tree({"base/a.h": "/* SPDX */\n/* a.h: what a is,\n * and more. Not this.\n */\n", "base/a.c": "/* SPDX */\n",
-                          "base/b.c": "/* SPDX */\n/* B does: this. */\n", "base/include/base/c.h": "/* SPDX */\n/** @file base/c.h\n * @brief C.\n */",
+        tree = self.tree({"base/a.h": "/* SPDX */\n/* a.h: what a is,\n * and more. Not this.\n */\n",
+                          "base/a.c": "/* SPDX */\n",
+                          "base/b.c": "/* SPDX */\n/* B does: this. */\n",
+                          "base/include/base/c.h": "/* SPDX */\n/** @file base/c.h\n * @brief C.\n */",
                           "base/c.c": "/* SPDX */\nint c; /* no head */\n"})
-        self.assertEqual(treemap.lines_of(tree, "base"), ["- `a.h,.c` what a is, and more", "- `b.c` B does: this", "- `c.c` C"])
+        self.assertEqual(treemap.lines_of(tree, "base"),
+                         ["- `a.h,.c` what a is, and more", "- `b.c` B does: this", "- `c.c` C"])
+        tree = self.tree({"base/d.c":
+                          "/* SPDX */\n/* Weights (eq. (15), e.g. cubic; eqs. (17) too), i.e. of d. Not this. */"})
+        self.assertIn("- `d.c` Weights (eq. (15), e.g. cubic; eqs. (17) too), i.e. of d", treemap.lines_of(tree, "base"))
         text = "x\n<!-- files base/include/base -->\nold\n<!-- end -->\ny"
         self.assertEqual(treemap.filled(tree, text), "x\n<!-- files base/include/base -->\n- `c.h` C\n<!-- end -->\ny")
 
@@ -214,7 +230,8 @@ class Repeats(unittest.TestCase):
         self.assertEqual(len(repeats.runs(a, 6, True)), 1)
 
     def test_tables_do_not_count(self):
-        table = "    static const row t[] = {\n" + "".join(f"        {{{i}, \"{i}\", f{i}}},\n" for i in range(20)) + "    };\n"
+        table = "    static const row t[] = {\n" + "".join(
+            f"        {{{i}, \"{i}\", f{i}}},\n" for i in range(20)) + "    };\n"
         self.assertEqual(repeats.runs({"a.c": self.text("f", table), "b.c": self.text("g", table)}, 6), [])
 
 

@@ -51,7 +51,8 @@ def told(pairs):
 class Rooms(house.Case):
     def test_there_are_sources(self):
         self.assertGreater(len(TREE.sources()), 300)
-        self.nothing([(path, 0, "in no room of rooms.txt") for path in TREE.sources() if PLAN.room_of(path) is None], "floors")
+        self.nothing([(path, 0, "in no room of rooms.txt") for path in TREE.sources() if PLAN.room_of(path) is None],
+                     "floors")
 
     def test_nobody_includes_upwards(self):
         self.nothing(told(upward(INCLUDES, PLAN)), "upward", "upward")
@@ -69,7 +70,8 @@ class Rooms(house.Case):
         self.nothing(told(strangers(INCLUDES, PLAN)), "outside")
 
     def test_dependencies_name_the_same_rooms(self):
-        headers = {"FFTW": "fftw3.h", "CFITSIO": "fitsio.h", "XXHASH": "xxhash.h", "ZLIB": "zlib.h", "GMP": "gmp.h", "GSL": "gsl",
+        headers = {"FFTW": "fftw3.h", "CFITSIO": "fitsio.h", "XXHASH": "xxhash.h", "ZLIB": "zlib.h", "GMP": "gmp.h",
+                   "GSL": "gsl",
                    "CAIRO": "cairo.h", "JANSSON": "jansson.h", "INIH": "ini.h", "SECCOMP": "seccomp.h", "UV": "uv.h",
                    "SQLITE": "sqlite3.h", "RANDOM123_INCLUDE_DIR": "Random123"}
         told = {name: rooms for name, rooms in re.findall(r"^(?:pkg_check_modules|find_path)\((\w+) .*\)\s+# (.*)$",

@@ -10,6 +10,7 @@ import os
 import re
 
 LONGEST = 150
+ABBREVIATION = re.compile(r"\b(eqs?|e\.g|i\.e|cf|vs)\.$")  # its full stop ends no sentence
 BLOCK = re.compile(r"<!-- files (\S+) -->\n.*?<!-- end -->", re.S)
 
 
@@ -22,8 +23,9 @@ def head_of(text):
     words = re.sub(r"\s*\n \*\s?", " ", paragraph).strip()
     words = re.sub(r"^\*?\s*(@file\s+\S+\s+(@brief\s+)?)?", "", words)
     words = re.sub(r"^[\w./-]+\.[ch]: ", "", words)
-    sentence = re.match(r"(.*?[\w)\]'\"/>]\.)(\s|$)", words, re.S)
-    return shortened(" ".join((sentence.group(1) if sentence else words).split()).rstrip(".:"))
+    ends = (m.end() for m in re.finditer(r"[\w)\]'\"/>]\.(?=\s|$)", words))
+    end = next((end for end in ends if not ABBREVIATION.search(words[:end])), len(words))
+    return shortened(" ".join(words[:end].split()).rstrip(".:"))
 
 
 def shortened(text):
@@ -50,14 +52,17 @@ def lines_of(tree, folder):
     found = []
     for stem in sorted({stem_of(p) for p in here}):
         kinds = [e for e in (".h", ".c") if stem + e in here]
-        told = next(filter(None, (head_of(tree.read(p)) for p in [stem + e for e in kinds] + public_header_of(tree, stem))), "")
-        found.append(f"- `{os.path.basename(stem)}{','.join(kinds)}` {told}" if told else f"- `{os.path.basename(stem)}{','.join(kinds)}`")
+        files = [stem + e for e in kinds] + public_header_of(tree, stem)
+        told = next(filter(None, (head_of(tree.read(p)) for p in files)), "")
+        found.append(f"- `{os.path.basename(stem)}{','.join(kinds)}` {told}".rstrip())
     return found
 
 
 def filled(tree, text):
     """The document with its blocks filled."""
-    return BLOCK.sub(lambda m: "\n".join([f"<!-- files {m.group(1)} -->"] + lines_of(tree, m.group(1)) + ["<!-- end -->"]), text)
+    def block(m):
+        return "\n".join([f"<!-- files {m.group(1)} -->"] + lines_of(tree, m.group(1)) + ["<!-- end -->"])
+    return BLOCK.sub(block, text)
 
 
 def folders_of(text):

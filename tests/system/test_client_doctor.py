@@ -12,7 +12,8 @@ from service_test import ServiceTest
 from tool import DONE, OTHER, SANITIZERS, SHEARCTL, shearctl
 
 
-PROBED = {"ok": True, "code": None, "message": None, "advice": None, "g1": 0.0199, "g1_err": 5e-5, "g2": -0.01, "g2_err": 5e-5,
+PROBED = {"ok": True, "code": None, "message": None, "advice": None, "g1": 0.0199, "g1_err": 5e-5, "g2": -0.01,
+          "g2_err": 5e-5,
           "true_g1": 0.02, "true_g2": -0.01, "stamps": 16, "seconds": 0.04, "landlock": True}
 
 
@@ -130,7 +131,8 @@ esac
         self.assertEqual(self.alone(env)[2]["config"]["level"], "warn")
 
     def test_what_the_service_cannot_measure(self):
-        self.serve(status=status(), probe={**PROBED, "ok": False, "code": "io", "message": "no library", "advice": "install it",
+        self.serve(status=status(),
+                   probe={**PROBED, "ok": False, "code": "io", "message": "no library", "advice": "install it",
                                            "g1": None})
         answer, found = self.findings()
         self.assertCode(answer, OTHER)

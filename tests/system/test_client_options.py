@@ -18,14 +18,16 @@ class Usage(ServiceTest):
             (["jobs", "--state", "sleeping"], "no state"), (["jobs", "--state", "done,x"], "no state"),
             (["jobs", "--user", "no such user"], "no such user"), (["jobs", "--limit", "0"], "--limit"),
             (["jobs", "--limits", "3"], "--limit"), (["wait", "x"], "not the number"), (["wait", "0"], "not the number"),
-            (["wait", "-1"], "-1"), (["wait", "9" * 30], "not the number"), (["wait", "1", "--timeout", "soon"], "--timeout"),
+            (["wait", "-1"], "-1"), (["wait", "9" * 30], "not the number"),
+            (["wait", "1", "--timeout", "soon"], "--timeout"),
             (["wait", "1", "--timeout", "-3"], "--timeout"), (["status", "--reply-timeout", "0"], "--reply-timeout"),
             (["status", "--reply-timeout", "1y"], "--reply-timeout"), (["watch", "--interval", "1ms"], "--interval"),
             (["watch", "--count", "0"], "--count"), (["watch", "--jobs", "1000"], "--jobs"),
             (["submit", "--priority", "101", "x"], "--priority"), (["submit", "--galaxy", "a", "b.fits"], "either"),
             (["submit", "--galaxy", "a", "--noise", "b"], "belong together"), (["submit", "--key", "k", "a", "b"], "--key"),
             (["submit", "--timeout", "3", "a"], "--wait"), (["submit", "--beta", "wide", "a"], "beta"),
-            (["submit", "--galaxy", "a:99999", "--noise", "b", "--psf", "c"], "HDU"), (["submit", "--catalog", "t"], "belong"),
+            (["submit", "--galaxy", "a:99999", "--noise", "b", "--psf", "c"], "HDU"),
+            (["submit", "--catalog", "t"], "belong"),
             (["shutdown", "--timeout", "x"], "--timeout"), (["shutdown", "--json=1"], "takes no value"),
         ]
         for args, word in cases:

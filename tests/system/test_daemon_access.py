@@ -55,8 +55,10 @@ class Access(DaemonTest):
 
     def test_names_that_nobody_has(self):
         """A user who has left does not keep the service from starting, and a group that is not there lets nobody in."""
-        lists = {"access.admin_users": "root, left-9", "access.priority_groups": "gone-9", "access.submit_groups": "missing-9"}
-        said = [f"there is no {what}: nobody has its rights" for what in ("user 'left-9'", "group 'missing-9'", "group 'gone-9'")]
+        lists = {"access.admin_users": "root, left-9", "access.priority_groups": "gone-9",
+                 "access.submit_groups": "missing-9"}
+        said = [f"there is no {what}: nobody has its rights"
+                for what in ("user 'left-9'", "group 'missing-9'", "group 'gone-9'")]
         path = self.file("a.fits")
         self.d.settings.update(lists)
         self.d.write_config()

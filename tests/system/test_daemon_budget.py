@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The memory that jobs may take together: they wait for it, are refused what there can never be, and what is taken is what was
-said."""
+"""The memory that all jobs may use together: jobs wait for it, those that need more than all of it are refused, and what
+they use is what they announced."""
 import os
 import re
 import time
@@ -26,11 +26,12 @@ def memory(process):
 class Budget(DaemonTest):
     def heavy(self, daemon, n, **settings):
         path = mock(os.path.join(daemon.data, "a.fits"), 4, SIDE, 1, "--psf-size", 33)
-        return [daemon.submit(path, field=f"f{i}", settings={**HEAVY, "beta": 2.5 + i / 10, **settings})["id"] for i in range(n)]
+        return [daemon.submit(path, field=f"f{i}", settings={**HEAVY, "beta": 2.5 + i / 10, **settings})["id"]
+                for i in range(n)]
 
     @unittest.skipIf(SANITIZED, "a sanitizer's own memory would count")
     def test_many_large_jobs(self):
-        """Each job wants 450 MiB while it is planned. All are done, not all at once, and never is there more than the budget."""
+        """Each job needs 450 MiB while it is planned. All are done, but not all at once: never do they exceed the budget."""
         daemon = self.daemon({"limits.memory": "600M", "daemon.max_active_jobs": 8, "plans.max_bytes": "1T"})
         jobs, most, waited, phases = self.heavy(daemon, 8), 0, 0, set()
         with daemon.client() as client:
@@ -48,15 +49,18 @@ class Budget(DaemonTest):
         self.assertGreater(most, 350 * MIB, "the jobs are too small for this test")
         self.assertGreater(waited, 0)
         self.assertIn("waiting_memory", phases)
-        until(lambda: daemon.call("status")["memory"]["used"] == daemon.call("status")["plans"]["bytes"], "all is given back")
+        until(lambda: daemon.call("status")["memory"]["used"] == daemon.call("status")["plans"]["bytes"],
+              "all is given back")
 
     def test_impossible(self):
         """Refused once and for all, with what is needed, what there is, and the setting; smaller jobs are not in its way."""
         budget = 100 * MIB // LESS
         daemon = self.daemon({"limits.memory": str(budget)})
         job = daemon.wait_state(self.heavy(daemon, 1)[0], *FINAL)
-        self.assertEqual((job["state"], job["class"], job["code"], job["attempts"]), ("failed", "data", "memory_budget", 1), job)
-        needed, = re.findall(rf"need (\d+) bytes of memory, and \[limits\] memory allows {budget} for all jobs", job["message"])
+        self.assertEqual((job["state"], job["class"], job["code"], job["attempts"]), ("failed", "data", "memory_budget", 1),
+                         job)
+        needed, = re.findall(rf"need (\d+) bytes of memory, and \[limits\] memory allows {budget} for all jobs",
+                             job["message"])
         self.assertGreater(int(needed), budget)
         self.assertIn("limits", job["advice"])
         small = mock(os.path.join(daemon.data, "small.fits"), 8, 32)
@@ -78,7 +82,8 @@ class Budget(DaemonTest):
             daemon.call("retry", id=job["id"])
             retried = daemon.wait_state(job["id"], *FINAL)
         self.assertEqual(retried["state"], "done", retried)
-        self.assertRow(daemon, "f0", measured([os.path.join(daemon.data, "a.fits")], "--interpolation", "spline", "--oversample",
+        self.assertRow(daemon, "f0",
+                       measured([os.path.join(daemon.data, "a.fits")], "--interpolation", "spline", "--oversample",
                                               "32", "--beta", "2.5"), 1)
 
     def test_waiting_can_be_cancelled_and_stopped(self):
@@ -114,7 +119,8 @@ class Estimates(DaemonTest):
         daemon = self.daemon({"limits.memory": "8G", "plans.max_count": "none", "daemon.max_active_jobs": 1})
         for side, settings in self.SHAPES:
             path = mock(os.path.join(daemon.data, f"s{side}.fits"), 4, side, 1, "--psf-size", 33)
-            until(lambda: daemon.call("status")["memory"]["used"] == daemon.call("status")["plans"]["bytes"], "the job before gave its memory back")
+            until(lambda: daemon.call("status")["memory"]["used"] == daemon.call("status")["plans"]["bytes"],
+                  "the job before gave its memory back")
             before, most, said = memory(daemon.process), 0, 0
             job = daemon.submit(path, field="x", force=True, settings={**settings, "beta": 2.5})["id"]
             with daemon.client() as client:

@@ -101,7 +101,8 @@ class Full(DaemonTest):
         part = mock(os.path.join(daemon.data, "part.fits"), 200, 32)
         self.fill()
         job = daemon.submit(part, field="f")["id"]
-        until(lambda: (j := daemon.job(job))["state"] == "waiting" and j["attempts"] > 2, "it waits, however often it was tried")
+        until(lambda: (j := daemon.job(job))["state"] == "waiting" and j["attempts"] > 2,
+              "it waits, however often it was tried")
         waiting = daemon.job(job)
         self.assertEqual((waiting["class"], waiting["code"]), ("transient", "disk_full"), waiting)
         self.assertIn(where, waiting["message"])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clients that ask for more than anybody can answer: the others are served, memory stays bounded, and the watchdog is told in time.
-How long others wait is held in processor time of the service's own turns, which no other work of the machine changes; bench/floods
-shows it by the clock."""
+"""Clients that ask for more than a service can answer: others are served, memory stays bounded, and the watchdog is notified
+in time. How long others wait is limited in processor time of the service's own turns, which other work of the machine does
+not change; bench/floods shows it by the clock."""
 import contextlib
 import os
 import resource
@@ -72,7 +72,8 @@ class Floods(DaemonTest):
 
     @turns
     def test_waiting_and_watching(self):
-        """Many that wait for jobs that do not end, and many that are told of all jobs and do not read, while jobs come and go."""
+        """Many clients wait for jobs that do not end, and many are told of all jobs and do not read, while jobs come and
+        go."""
         self.d.held(self.d.submit(mock(self.d.data + "/long.fits", 20000, 64))["id"])
         ids = self.submitted(JOBS)
         sleep = flood.line("wait", ids=ids, timeout_s=3600) * 60
@@ -116,8 +117,8 @@ class Connections(DaemonTest):
             self.assertTrue(d.call("hello")["admin"])
 
     def test_descriptors_of_its_own(self):
-        """Clients do not use up the descriptors that jobs need, whatever the limits are: the soft one is raised, and of a hard
-        one that is too low for so many connections the service keeps its share."""
+        """Clients do not use up the descriptors that jobs need, whatever the limits are: the soft limit is raised, and if
+        the hard one is too low for so many connections, the service keeps its share."""
         for limits, expected, connections in (("100:2300", 2000 + 64 + 6 * 4, 2000), ("100:240", 240, 240 - 64 - 6 * 4)):
             with self.subTest(limits), contextlib.ExitStack() as stack:
                 d = self.daemon({"limits.connections": 2000, "limits.user_connections": 2000, "daemon.max_active_jobs": 4},
@@ -130,7 +131,8 @@ class Connections(DaemonTest):
                     self.assertIn(f"file descriptors for {connections} only", d.log_text())
                     stack.enter_context(flood.flooding(hold, d.socket))
                     reserved = 0 if client.call("hello")["admin"] else 16
-                    until(lambda: client.call("status")["connections"] == connections - reserved, "all that are to be had are held")
+                    until(lambda: client.call("status")["connections"] == connections - reserved,
+                          "all that are to be had are held")
                     path = mock(d.data + "/a.fits", 8)
                     self.assertEqual(client.call("submit", path=path, wait=True)["job"]["state"], "done")
 

@@ -100,7 +100,8 @@ class Scratch(DaemonTest):
         """A small disk of its own."""
         path = os.path.join(self.directory, "scratch")
         os.mkdir(path)
-        if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", path]).returncode != 0:
+        mount = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", path]
+        if os.geteuid() != 0 or subprocess.run(mount).returncode != 0:
             self.skipTest("no disk can be mounted here")
         self.addCleanup(subprocess.run, ["umount", "-l", path], check=True)
         return path
@@ -126,7 +127,8 @@ class Scratch(DaemonTest):
         self.assertOnce(job, "1048576 bytes")
         self.assertIn("[reader] unpacked", job["advice"])
         small = mock(os.path.join(self.directory, "small.fits"), 8, 32)
-        self.assertEqual(daemon.submit(self.put(daemon, "s.fits.gz", gzipped(content_of(small))), wait=True)["state"], "done")
+        self.assertEqual(daemon.submit(self.put(daemon, "s.fits.gz", gzipped(content_of(small))), wait=True)["state"],
+                         "done")
 
     def test_limit_of_all(self):
         daemon = self.daemon({"reader.scratch_bytes": "1M"})
@@ -154,7 +156,8 @@ class Scratch(DaemonTest):
             f.write(bytes(41 << 20))
         plain = mock(os.path.join(self.directory, "a.fits"), 400, 32)
         job = daemon.submit(self.put(daemon, "a.fits.gz", gzipped(content_of(plain))), field="a")["id"]
-        until(lambda: (j := daemon.job(job))["state"] == "waiting" and j["attempts"] > 2, "it waits, however often it was tried")
+        until(lambda: (j := daemon.job(job))["state"] == "waiting" and j["attempts"] > 2,
+              "it waits, however often it was tried")
         waiting = daemon.job(job)
         self.assertEqual((waiting["class"], waiting["code"]), ("transient", "disk_full"))
         self.assertIn(disk, waiting["message"])
@@ -190,7 +193,8 @@ class TooLarge(DaemonTest):
         daemon, small = self.daemon_of_a_megabyte()
         large = sparse(os.path.join(daemon.data, "large.fits"), TIB)
         for parameter, source in (("path", {"path": large}),
-                                  ("noise.path", {"galaxy": {"path": small}, "noise": {"path": large}, "psf": {"path": small}})):
+                                  ("noise.path",
+                                   {"galaxy": {"path": small}, "noise": {"path": large}, "psf": {"path": small}})):
             with self.assertRefused("file_too_large") as caught:
                 daemon.call("submit", **source)
             error = caught.exception.error
@@ -221,7 +225,8 @@ class TooLarge(DaemonTest):
         self.assertEqual(daemon.call("reload")["changed"], ["reader.max_file_bytes"])
         daemon.call("cancel", id=first)
         job = daemon.wait_state(second, *FINAL)
-        self.assertEqual((job["state"], job["class"], job["code"], job["attempts"]), ("failed", "data", "file_too_large", 1), job)
+        self.assertEqual((job["state"], job["class"], job["code"], job["attempts"]), ("failed", "data", "file_too_large", 1),
+                         job)
         self.assertTold(job["message"], large)
 
 

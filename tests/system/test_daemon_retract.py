@@ -169,11 +169,13 @@ class Retract(DaemonTest):
                 columns = names(table)
                 values = ", ".join(other.get(c, c) for c in columns)
                 base.execute("with recursive n(i) as (select 2 union all select i + 1 from n where i <= ?)"
-                             f" insert into {table} ({', '.join(columns)}) select {values} from {table}, n where {table}.id = 1",
+                             f" insert into {table} ({', '.join(columns)})"
+                             f" select {values} from {table}, n where {table}.id = 1",
                              (many,))
             repeat("jobs", id="i", catalogue=f"'{os.path.dirname(catalog)}/' || i || '.shear.fits'")
             repeat("contributions", id="i", job="i", content="content || i")
-            base.execute("update fields set (jobs, n_stamps, n_used) = (select count(*), sum(n_stamps), sum(n_used) from contributions)")
+            base.execute("update fields set (jobs, n_stamps, n_used) ="
+                         " (select count(*), sum(n_stamps), sum(n_used) from contributions)")
             base.execute("update totals set counted = counted + ?", (many,))
         base.close()
         for i in range(2, many + 2):
@@ -214,12 +216,13 @@ class Retract(DaemonTest):
             number = client.ask("forget", {"field": "f"})
             until(lambda: not daemon.call("fields")["fields"], "the field is gone", step=0.001)
             self.assertLess(daemon.call("status")["totals"]["retracted"], FORGOTTEN)
-            self.assertEqual(client.answer(number), {"field": "f", "rows": 1, "contributions": FORGOTTEN + 1, "jobs": FORGOTTEN + 1})
+            self.assertEqual(client.answer(number),
+                             {"field": "f", "rows": 1, "contributions": FORGOTTEN + 1, "jobs": FORGOTTEN + 1})
         self.assertAllForgotten(FORGOTTEN + 1)
         self.assertTurns(daemon, TURN_MS)
 
     def test_forget_killed(self):
-        """What is left of a field that was being forgotten goes after the next start, and meets nothing that was counted since."""
+        """What is left of a field that was being forgotten is removed after the next start; what was counted since stays."""
         daemon = self.daemon_
         self.counted_many(FORGOTTEN)
         with daemon.client() as client:
@@ -256,7 +259,8 @@ class Retract(DaemonTest):
         daemon = self.daemon_
         other = self.retired()
         digest = next(r["digest"] for r in daemon.call("field", field="f")["rows"] if r["digest"] != other["digest"])
-        self.assertEqual(daemon.call("forget", field="f", digest=digest), {"field": "f", "rows": 1, "contributions": 6, "jobs": 2})
+        self.assertEqual(daemon.call("forget", field="f", digest=digest),
+                         {"field": "f", "rows": 1, "contributions": 6, "jobs": 2})
         self.assertEqual(self.catalogs(), [os.path.basename(other["catalogue"])])
 
     def test_forget_in_another_s(self):

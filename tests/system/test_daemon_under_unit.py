@@ -24,7 +24,8 @@ LANDLOCK = " landlock_create_ruleset landlock_add_rule landlock_restrict_self"
 
 def filters_work():
     """Whether this kernel and this container let a process filter itself."""
-    run = subprocess.run([sys.executable, "-B", FILTER, SERVICE, "-", shutil.which("true")], capture_output=True, check=False)
+    run = subprocess.run([sys.executable, "-B", FILTER, SERVICE, "-", shutil.which("true")], capture_output=True,
+                         check=False)
     return run.returncode == 0
 
 

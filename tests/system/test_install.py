@@ -93,7 +93,8 @@ class Packages(unittest.TestCase):
     def test_its_parts_are_where_they_are_looked_for(self):
         for name in ("usr/sbin/sheard", "usr/bin/shearctl", "usr/libexec/sheard/sheard-reader", "etc/sheard/sheard.conf",
                      "usr/lib/systemd/system/sheard.service", "usr/lib/systemd/system/sheard.socket",
-                     "usr/lib/systemd/system/sheard.path", "usr/lib/sysusers.d/sheard.conf", "usr/lib/tmpfiles.d/sheard.conf"):
+                     "usr/lib/systemd/system/sheard.path", "usr/lib/sysusers.d/sheard.conf",
+                     "usr/lib/tmpfiles.d/sheard.conf"):
             self.assertIn(name, self.files["sheard"])
         self.assertIn("(default /etc/sheard/sheard.conf)", run(os.path.join(self.root, "usr/sbin/sheard"), "--help"))
         self.assertIn("--config /etc/sheard/sheard.conf\n", self.text("usr/lib/systemd/system/sheard.service"))

@@ -21,7 +21,8 @@ FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusab
 
 def default_settings():
     """As config/sheard.conf documents them (a test of its own keeps it current), in JSON's types."""
-    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "config", "sheard.conf"), encoding="utf-8") as f:
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "config", "sheard.conf"),
+              encoding="utf-8") as f:
         section = f.read().split("[measure]\n")[1]
     words = dict(re.findall(r"^#([a-z-]+) = (\S+)$", section, re.M))
     return {name: json.loads(word) if re.match(r"[-0-9]|true|false", word) else word for name, word in words.items()}
@@ -187,7 +188,8 @@ class Report(ToolTest):
         self.assertRegex(told["filter"], r"^core [\d.]+ px \(found: it leaves the galaxies whole\), width 3\S* px$")
         self.assertEqual(told["background"], "the noise stamps' level is taken off both stamps")
         self.assertEqual(told["artefacts"], "none found")
-        self.assertRegex(told["level"], r"^noise [01]\.\d+ \+- 0\.0\d+ times the noise stamps' variance, read off beyond 3/4")
+        self.assertRegex(told["level"],
+                         r"^noise [01]\.\d+ \+- 0\.0\d+ times the noise stamps' variance, read off beyond 3/4")
         self.assertRegex(told["influence"], r"^128 stamps count as 1[12]\d\.\d equal ones; stamp \d+ counts most, with ")
         field.galaxy[3][64 * 20 + 20] = -9999.0
         told = lines(field, "--core", 20, "--background", "keep", "--noise-level", "none")

@@ -145,8 +145,8 @@ def rows(text):
 
 
 def examples():
-    """(kind, method or None, text) of every example, replies named by the request with their id. A request that is answered by
-    an error which any reader of it must give is a "wrong-request"."""
+    """(kind, method or None, text) of every example; a reply has the method of the request with its id. A request that every
+    reader must answer by an error is a "wrong-request"."""
     found = []
     for info, block in re.findall(r"^```([^\n]*)\n(.*?)^```$", DOC, re.M | re.S):
         if info.endswith("-file"):
@@ -399,7 +399,8 @@ class TheValidatorItself(unittest.TestCase):
         for kind, method, text in (e for e in examples() if e[0] != "wrong-request"):
             for name, part in definitions_of(kind, method):
                 for value in self.broken(part(json.loads(text))):
-                    self.assertEqual(bool(faults(value, definition(name))), bool(official_faults(value, name)), (name, value))
+                    self.assertEqual(bool(faults(value, definition(name))), bool(official_faults(value, name)),
+                                     (name, value))
 
     def test_schema_and_code_refuse_the_same(self):
         """Requests broken in the same way: the code's answer is the schema's."""

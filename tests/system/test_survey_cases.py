@@ -95,7 +95,8 @@ class NoiseUnderTheGalaxies(Case):
 
     def test_noise_stamps_without_noise(self):
         """Told with its cause, and nothing else is; by how much is what the noise level finds where it can."""
-        self.tells(self.without_noise(3.0, sky=50.0), r"noise stamps hold no noise.*makes the shear 2[0-9] % too large", bad=True)
+        self.tells(self.without_noise(3.0, sky=50.0), r"noise stamps hold no noise.*makes the shear 2[0-9] % too large",
+                   bad=True)
         self.assertEqual([w.count("noise stamps hold no noise") for w in self.result["warnings"]], [1])
         weak = self.told(self.without_noise(3.0, lambda rng: rng.gauss(0, 1e-3)))
         self.assertRegex(weak, r"without that, the shear would be 2[0-9] % too large")

@@ -138,7 +138,8 @@ class Validate(ToolTest):
         rng = random.Random(5)
         for name, weights, suspect in (("flux", [1 / f ** 2 for f in fluxes], True),
                                        ("brightness", [f ** 3 for f in fluxes], True),
-                                       ("steps", [1 + (f > sorted(fluxes)[20]) + (f > sorted(fluxes)[40]) for f in fluxes], True),
+                                       ("steps",
+                                        [1 + (f > sorted(fluxes)[20]) + (f > sorted(fluxes)[40]) for f in fluxes], True),
                                        ("level", [rng.uniform(0.5, 2.0) for _ in fluxes], False),
                                        ("partly", [1e4 + 0.3 * f + rng.uniform(0, 1e4) for f in fluxes], False),
                                        ("equal", [3.0] * 60, False)):

@@ -225,8 +225,8 @@ class Shot(ExperimentTest):
 
 class Bias(ExperimentTest):
     def test_first_and_next_order(self):
-        self.run_paper("bias", "--galaxies", 400, "--groups", 20, "--fewer", 1, "--noises", "0,1", "--psfs", "0", "--points", 60,
-                       "--steps", 60)
+        self.run_paper("bias", "--galaxies", 400, "--groups", 20, "--fewer", 1, "--noises", "0,1", "--psfs", "0",
+                       "--points", 60, "--steps", 60)
         for row in self.some(shears="small", noise="none", method="none"):
             for k in (1, 2):
                 self.assertLess(abs(row[f"m{k}"]), 1e-3)
