@@ -51,7 +51,7 @@ static void exchange(sheard_config *a, sheard_config *b) {
     a->measure = b->measure;
     b->measure = measure;
     swap_bytes(&a->path, &b->path, sizeof a->path);
-    swap_bytes(&a->lines, &b->lines, sizeof(int *));
+    swap_bytes(&a->lines, &b->lines, sizeof a->lines);
 }
 
 static void warn_of_start(const sheard_config *running, const sheard_config *fresh,
@@ -61,7 +61,7 @@ static void warn_of_start(const sheard_config *running, const sheard_config *fre
         if (s.at_start && !sheard_config_same(running, fresh, i)) {
             char where[sizeof problems->kept[0].where];
             problems_warn(problems, config_where(fresh, i, where, sizeof where),
-                          "restart the daemon for it",
+                          "restart the daemon to apply it",
                           "[%s] %s: the change takes effect at the next start", s.section, s.key);
         }
     }

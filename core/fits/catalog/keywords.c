@@ -150,7 +150,7 @@ static int get_count(const sf_cards *cards, const char *key, int64_t *out, shear
     return sf_key_int(cards, key, 0, most, out, err);
 }
 
-static int get_name(const sf_cards *cards, char out[72], shear_error *err) {
+static int get_name(const sf_cards *cards, char out[SHEAR_FIELD_NAME_SIZE], shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
     TRY(sf_key_string(cards, "FIELD", &text, err));
     return text == NULL
@@ -158,12 +158,13 @@ static int get_name(const sf_cards *cards, char out[72], shear_error *err) {
                : sf_field_name_copy(out, text, SHEAR_E_FORMAT, cards->at, "keyword FIELD", err);
 }
 
-/* An unknown or missing name counts as the mean. */
+/* Read the estimator; an unknown or missing name counts as the mean. */
 static int get_estimator(const sf_cards *cards, enum shear_estimator *out, shear_error *err) {
     CLEANUP(release_free) char *text = NULL;
     TRY(sf_key_string(cards, "ESTIMAT", &text, err));
     shear_settings settings;
     shear_settings_init(&settings);
+    settings.estimator = SHEAR_ESTIMATOR_MEAN;
     if (text != NULL)
         (void)shear_settings_set(&settings, "estimator", text, NULL);
     *out = settings.estimator;

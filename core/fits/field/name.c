@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, const char *whence,
-                       shear_error *err) {
+int sf_field_name_copy(char out[SHEAR_FIELD_NAME_SIZE], const char *name, int code, sf_place at,
+                       const char *whence, shear_error *err) {
     const size_t length = strlen(name);
     for (size_t i = 0; i < length; i++) {
         if (name[i] < ' ' || name[i] > '~') {
@@ -16,10 +16,10 @@ int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, co
                            whence, i + 1);
         }
     }
-    if (length < 1 || length > 71) {
+    if (length < 1 || length >= SHEAR_FIELD_NAME_SIZE) {
         return sf_fail(err, code, at, "give a shorter keyword FIELD in the primary header",
-                       "the field's name (%s) has %zu characters, but must have 1 to 71", whence,
-                       length);
+                       "the field's name (%s) has %zu characters, but must have 1 to %d", whence,
+                       length, SHEAR_FIELD_NAME_SIZE - 1);
     }
     if (name[0] == ' ' || name[length - 1] == ' ') {
         return sf_fail(err, code, at, "give the keyword FIELD in the primary header",

@@ -40,7 +40,7 @@ void sf_view_double(sf_view *v, const char *key, double value) {
 }
 
 void sf_view_string(sf_view *v, const char *key, const char *value) {
-    char text[72];
+    char text[FLEN_VALUE];
     snprintf(text, sizeof text, "'%-8.60s'", value);
     add_value(v, key, text);
 }

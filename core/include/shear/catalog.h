@@ -68,13 +68,13 @@ int shear_catalog_discard(const char *path, shear_error *err);
 
 /** A catalog in memory (for plots and tests). */
 typedef struct shear_catalog_table {
-    int64_t n;           /**< rows */
-    char field[72];      /**< the field's name */
-    bool has_truth;      /**< sim_g1 and sim_g2 are known */
-    double sim_g1;       /**< true g1 of a simulated field */
-    double sim_g2;       /**< true g2 */
-    double beta_px;      /**< the plan's beta */
-    double r_psf_px;     /**< the plan's R_PSF */
+    int64_t n;                         /**< rows */
+    char field[SHEAR_FIELD_NAME_SIZE]; /**< the field's name */
+    bool has_truth;                    /**< sim_g1 and sim_g2 are known */
+    double sim_g1;                     /**< true g1 of a simulated field */
+    double sim_g2;                     /**< true g2 */
+    double beta_px;                    /**< the plan's beta */
+    double r_psf_px;                   /**< the plan's R_PSF */
     shear_result result; /**< the numbers that the header holds; NaN or 0 for others */
     shear_row *rows;     /**< [n]; members without a column are NaN */
 } shear_catalog_table;

@@ -54,14 +54,18 @@ enum shear_column {
     SHEAR_COL_FLAGS = 1u << 8   /**< not 0: the stamp is left out */
 };
 
+enum {
+    SHEAR_FIELD_NAME_SIZE = 72 /**< bytes of a field's name, including its NUL */
+};
+
 /** The properties of an open field. */
 typedef struct shear_field_info {
-    char name[72];   /**< FIELD, or the file's base name without .fits, .gz, .fz; "" if there is no
-                        FIELD and the file's name is not a valid field name */
-    double pixscale; /**< arcsec per pixel; NaN = not given */
-    bool has_truth;  /**< SIM_G1 and SIM_G2 are both given */
-    double sim_g1;   /**< true g1 of a simulated field */
-    double sim_g2;   /**< true g2 */
+    char name[SHEAR_FIELD_NAME_SIZE]; /**< FIELD, or the file's base name without .fits, .gz, .fz;
+                      "" if there is no FIELD and the file's name is not a valid field name */
+    double pixscale;                  /**< arcsec per pixel; NaN = not given */
+    bool has_truth;                   /**< SIM_G1 and SIM_G2 are both given */
+    double sim_g1;                    /**< true g1 of a simulated field */
+    double sim_g2;                    /**< true g2 */
     shear_geometry geometry;          /**< sides of stamps and PSF */
     int64_t n_stamps;                 /**< galaxies */
     int64_t n_psf;                    /**< PSF images */

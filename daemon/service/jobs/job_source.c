@@ -115,7 +115,7 @@ static int open_spooled(const service *s, const store_job *job, const char *acti
     }
     o->input = shear_input_of_file(o->files.paths[0]);
     if (s->spool == NULL)
-        return fail_as(o, spooled_file_no_spool(job, err), STORE_TRANSIENT, SHEARD_RPC_IO);
+        return fail_as(o, spooled_file_fail_switched_off(job, err), STORE_TRANSIENT, SHEARD_RPC_IO);
     int code = spool_open_file(s->spool, active_name, &o->files.fds[0], err);
     code = code == SHEAR_OK ? source_files_check_size(s, o->files.fds[0], o->files.paths[0], err)
                             : code;

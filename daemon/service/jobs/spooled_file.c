@@ -49,7 +49,7 @@ char *spooled_file_where(const spool *sp, const char *directory, const store_job
     return where != NULL && asprintf(&path, "%s/%s", directory, where) > 0 ? path : NULL;
 }
 
-int spooled_file_no_spool(const store_job *job, shear_error *err) {
+int spooled_file_fail_switched_off(const store_job *job, shear_error *err) {
     return shear_fail(err, SHEAR_E_IO, "switch the watch folder on again ([spool] enabled)",
                       "'%s' was dropped into the watch folder, which is switched off",
                       job->dropped);
@@ -60,7 +60,7 @@ int spooled_file_restore(spool *sp, const store_job *job, shear_error *err) {
     if (!spooled_file_name(job, name))
         return SHEAR_OK;
     if (sp == NULL)
-        return spooled_file_no_spool(job, err);
+        return spooled_file_fail_switched_off(job, err);
     spool_place place = place_of(job);
     if (place.name[0] == '\0') { /* the job of an older version, or the power failed */
         spool_find_place(sp, name, SEARCH, &place);

@@ -21,4 +21,4 @@ char *spooled_file_where(const spool *sp, const char *directory, const store_job
  * spool_restore; those of a job file are ignored, since the job's record has all of its content. */
 int spooled_file_restore(spool *sp, const store_job *job, shear_error *err);
 /* Fail with SHEAR_E_IO because the watch folder is switched off. */
-int spooled_file_no_spool(const store_job *job, shear_error *err);
+int spooled_file_fail_switched_off(const store_job *job, shear_error *err);
