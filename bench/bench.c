@@ -24,13 +24,14 @@ static double transforms(const bench_case *c) {
 
 static void print_head(const options *o) {
     if (o->format == TABLE) {
-        printf("| case, one thread             | us a pair | pairs a second | transforms | us for "
-               "them | ratio | %d threads |\n"
-               "|---|---|---|---|---|---|---|\n",
-               o->threads);
+        printf(
+            "| case, one thread             | us per pair | pairs per second | transforms | us for "
+            "them | ratio | %d threads |\n"
+            "|---|---|---|---|---|---|---|\n",
+            o->threads);
     }
     if (o->format == STAGES) {
-        printf("| us a pair                    |");
+        printf("| us per pair                    |");
         for (int i = 0; i < N_STAGES; i++)
             printf(" %s |", stage_names[i]);
         printf("\n|---|---|---|---|---|---|---|---|\n");

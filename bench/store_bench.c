@@ -236,7 +236,7 @@ static void compare_rates(sqlite3 *bare, store *s) {
     static double ours[ROUNDS];
     static double ratio[ROUNDS];
     enum { ITERATIONS = 5 };
-    printf("\n| durable submits a second | store | bare commits | ratio |\n|---|---|---|---|\n");
+    printf("\n| durable submits per second | store | bare commits | ratio |\n|---|---|---|---|\n");
     for (int group = 1; group <= MAX_GROUP; group *= 8) {
         for (int r = 0; r < ITERATIONS; r++) {
             plain[r] = bare_rate(bare);

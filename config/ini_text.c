@@ -65,7 +65,7 @@ static void read_section(struct reader *r, const char *p, size_t n) {
         const char *rest = close + 1;
         rest += leading_blanks(rest, (size_t)(p + n - rest));
         if (rest < p + n && *rest != ';' && *rest != '#')
-            fault(r, "settings go on lines of their own", "there is text behind the section's ']'");
+            fault(r, "settings go on lines of their own", "there is text after the section's ']'");
     }
     r->has_key = false;
     r->events->section(r->events->context, r->line, name);
@@ -155,7 +155,7 @@ static int on_value(void *user, const char *section, const char *key, const char
     r->has_key = key[0] != '\0';
     if (has_hash_comment(text)) {
         fault(r, "begin the comment with ' ;', or put it on a line of its own",
-              "'#' does not begin a comment behind a value");
+              "'#' does not begin a comment after a value");
     } else if (key[0] == '\0') {
         fault(r, "write key = value", "there is no key before the '='");
     } else {

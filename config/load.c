@@ -74,7 +74,7 @@ static void continue_value(loader *l, int line, const char *more) {
         snprintf(message, sizeof message,
                  "this line begins with a space and so goes on with '%s' of line %d", s.key,
                  l->line);
-        on_fault(l, line, "take away the space; only lists go on in further lines", message);
+        on_fault(l, line, "remove the space; only lists go on in further lines", message);
         return;
     }
     char *joined = NULL;

@@ -32,7 +32,7 @@
 #define RANGE(least, most) .min = (least), .max = (most)
 
 #define KEPT_FOREVER                                                                               \
-    "Where nothing is said, nothing is removed: these may be the only copies of your data."
+    "If no limit is set, nothing is removed: these may be the only copies of your data."
 
 static const char *const log_levels[] = {"error", "warning", "notice", "info", "debug", NULL};
 
@@ -44,12 +44,12 @@ const sheard_setting config_rows[] = {
              "disk: the database's write-ahead log does not work on network file systems."},
     {ROW(PATH, "daemon", "socket", daemon.socket), .initial = "/run/sheard/sheard.sock",
      .max = CONFIG_SOCKET_MAX, .flag = "socket", .at_start = true,
-     .help = "Unix socket that clients connect to. Where systemd hands over a socket "
+     .help = "Unix socket that clients connect to. If systemd hands over a socket "
              "(sheard.socket), that one is used, with the path, mode and group that are written "
              "there."},
     {ROW(MODE, "daemon", "socket_mode", daemon.socket_mode), .initial = "0660", RANGE(0600, 0777),
      .at_start = true,
-     .help = "Permissions of the socket, octal. Who may not write to it cannot connect."},
+     .help = "Permissions of the socket, octal. Only users who may write to it can connect."},
     {ROW(NAME, "daemon", "socket_group", daemon.socket_group), .initial = "",
      .max = CONFIG_NAME_MAX, .at_start = true,
      .help = "Group of the socket. Empty: the daemon's own group."},
@@ -118,9 +118,9 @@ const sheard_setting config_rows[] = {
 
     {ROW(PATHS, "access", "data_roots", access.data_roots), .initial = "", .max = CONFIG_PATH_MAX,
      .flag = "data-roots",
-     .help = "Clients may name files beneath these directories only. Empty: none, and files are "
-             "taken from the watch folder alone. A directory that is not there is warned of, and "
-             "jobs beneath it wait until it is. Data under /home also needs the drop-in "
+     .help = "Clients may name files beneath these directories only. Empty: none, and files come "
+             "only from the watch folder. A missing directory causes a warning, and jobs "
+             "beneath it wait until it exists. Data under /home also needs the drop-in "
              "home-data.conf of sheard.service."},
     {ROW(NAMES, "access", "admin_users", access.admin_users), .initial = "root",
      .max = CONFIG_NAME_MAX,
@@ -147,7 +147,7 @@ const sheard_setting config_rows[] = {
     {ROW(INT, "limits", "connections", limits.connections), .initial = "2048", RANGE(1, 100000),
      .unit = "connections",
      .help = "Clients that may be connected at once. Each needs a file descriptor (LimitNOFILE in "
-             "sheard.service): where there are not as many, fewer are taken."},
+             "sheard.service): if there are fewer descriptors, fewer clients are accepted."},
     {ROW(INT, "limits", "user_connections", limits.user_connections), .initial = "auto",
      RANGE(1, 100000), .word = "auto", .unit = "connections",
      .help = "Of these, those that one user may have, unless it is an administrator. auto: a "
@@ -159,7 +159,7 @@ const sheard_setting config_rows[] = {
     {ROW(BYTES, "limits", "unsent_bytes", limits.unsent_bytes), .initial = "64M",
      RANGE(MiB, 64 * GiB),
      .help = "Memory for replies that clients have not read yet, half of it at most for one user. "
-             "Where it is used up, long replies wait, and clients that read nothing for 5 s are "
+             "When it is used up, long replies wait, and clients that read nothing for 5 s are "
              "dropped."},
     {ROW(INT, "limits", "requests_in_flight", limits.requests_in_flight), .initial = "64",
      RANGE(1, 10000), .unit = "requests",
@@ -175,7 +175,7 @@ const sheard_setting config_rows[] = {
     {ROW(BYTES, "limits", "memory", limits.memory_bytes), .initial = "auto",
      RANGE(MiB, 1024 * TiB), .word = "auto",
      .help = "Memory that the jobs under way and the kept plans may take together. What a job "
-             "needs is known before it starts; it waits until there is so much, and one that "
+             "needs is known before it starts; it waits until that much is free, and one that "
              "needs more than this is refused. auto: a quarter of the machine's memory, or of "
              "what the service's control groups (MemoryMax, MemoryHigh) and RLIMIT_AS leave it. "
              "What reader processes take besides is bounded by reader.memory."},

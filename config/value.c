@@ -44,7 +44,7 @@ static int check_path(const sheard_setting *s, const char *text, shear_error *er
                           s->key, strlen(text), (int)s->max);
     }
     if (has_dots(text)) {
-        return shear_fail(err, SHEAR_E_SETTING, "write the path that is meant",
+        return shear_fail(err, SHEAR_E_SETTING, "write the path without them",
                           "[%s] %s: '%.200s' has a part '.' or '..'", s->section, s->key, text);
     }
     if (has_unwritable(text) || (s->type == SHEARD_T_PATHS && strchr(text, ',') != NULL)) {

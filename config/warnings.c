@@ -46,7 +46,7 @@ static void warn_names(warning_scene *scene, const char *key, const sheard_list 
         const bool is_number = name[strspn(name, "0123456789")] == '\0'; /* is valid, too */
         if (!is_number && !(users ? user_known(name, buf) : group_known(name, buf))) {
             problems_warn(scene->problems, where(scene, "access", key),
-                          "take it out, or reload the service once there is one: until then "
+                          "remove it, or reload the service once there is one: until then "
                           "nobody has its rights",
                           "[access] %s: this system has no %s '%s'", key, users ? "user" : "group",
                           name);
@@ -66,7 +66,7 @@ static void warn_accounts(warning_scene *scene) {
     warn_names(scene, "priority_groups", &c->access.priority_groups, false, buf);
     if (c->daemon.socket_group[0] != '\0' && !group_known(c->daemon.socket_group, buf)) {
         problems_warn(scene->problems, where(scene, "daemon", "socket_group"),
-                      "where there is none, the service does not start",
+                      "without it the service does not start",
                       "[daemon] socket_group: this system has no group '%s'",
                       c->daemon.socket_group);
     }
@@ -85,8 +85,8 @@ static void warn_roots(warning_scene *scene) {
                 "[access] data_roots: '/' lets clients name every file that they may read");
         } else if (stat(root, &st) != 0) {
             problems_warn(scene->problems, where(scene, "access", "data_roots"),
-                          "jobs beneath it wait until it is there, for the service; this is how "
-                          "it looks to who asks",
+                          "jobs beneath it wait until the service sees it; this is what the user "
+                          "who runs the check sees",
                           "[access] data_roots: '%s': %s", root, strerror(errno));
         } else if (!S_ISDIR(st.st_mode)) {
             problems_warn(scene->problems, where(scene, "access", "data_roots"), NULL,

@@ -10,7 +10,7 @@ enum { MAX_SIDE = 20000 };
 int shear_figure_new(shear_figure **figure, int width, int height, shear_error *err) {
     *figure = NULL;
     if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE) {
-        return shear_fail(err, SHEAR_E_SETTING, "choose a size between 1 and 20000 pixels a side",
+        return shear_fail(err, SHEAR_E_SETTING, "choose a size between 1 and 20000 pixels per side",
                           "a figure of %d x %d pixels cannot be drawn", width, height);
     }
     shear_figure *f = calloc(1, sizeof *f);

@@ -149,7 +149,7 @@ void shear_image_begin(shear_figure *figure, const shear_image *image) {
         return;
     if (image->pixels == NULL || image->nx < 1 || image->ny < 1 || image->nx > MAX_IMAGE_SIDE ||
         image->ny > MAX_IMAGE_SIDE) {
-        figure_failed(figure, SHEAR_E_INTERNAL, "an image needs 1 to 32767 pixels a side");
+        figure_failed(figure, SHEAR_E_INTERNAL, "an image needs 1 to 32767 pixels per side");
         return;
     }
     const shear_axes axes = {

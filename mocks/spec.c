@@ -123,9 +123,10 @@ static int check_psf(const shear_mock_spec *s, shear_error *err) {
                           "mock option 'psf-ids' contradicts psf-per-stamp");
     }
     if (s->psf_size == 0 && auto_psf_side(s) > MAX_PSF_SIDE) {
-        return shear_fail(err, SHEAR_E_SETTING, "lower oversamp, or choose psf-size",
-                          "mock option 'psf-size': auto would be %.0f samples a side, more than %d",
-                          auto_psf_side(s), MAX_PSF_SIDE);
+        return shear_fail(
+            err, SHEAR_E_SETTING, "lower oversamp, or choose psf-size",
+            "mock option 'psf-size': auto would be %.0f samples per side, more than %d",
+            auto_psf_side(s), MAX_PSF_SIDE);
     }
     return SHEAR_OK;
 }

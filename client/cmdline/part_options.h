@@ -23,7 +23,7 @@
     "  --psf FILE[:HDU]        PSF image or images (default: PSF, else the first image)\n"         \
     "  --catalog-in FILE[:HDU]  the table that goes with them (default: CATALOG of the "           \
     "galaxies'\n"                                                                                  \
-    "                          file, where there is one); with a field file: in place of its "     \
+    "                          file, if it has one); with a field file: in place of its "          \
     "own\n"
 
 /* The arguments of these options: "FILE", "FILE:HDU", or NULL if not given. Initialize with {0}. */

@@ -21,7 +21,7 @@ const command cmd_drain = {
     "usage: shearctl drain [OPTION...]\n"
     "\n"
     "Have the service finish the running jobs and take no new ones: submitting is refused, and files stay in\n"
-    "incoming. Administrators only. It goes on working after a restart.\n"
+    "incoming. Administrators only. After a restart it takes jobs again.\n"
     "\n"
     SERVICE_OPTIONS_HELP "\n"
     SERVICE_EXIT_CODES_HELP ".\n",

@@ -131,8 +131,8 @@ const command cmd_field = {
     "\n"
     "  --digest TEXT           only the result of these settings\n"
     "  --jobs                  list the jobs that were counted (the first 100)\n"
-    "  --limit N               list so many of them (at most 1000)\n"
-    "  --after ENTRY           list them from behind this entry\n"
+    "  --limit N               list at most N of them (up to 1000)\n"
+    "  --after ENTRY           list those after this entry\n"
     SERVICE_OPTIONS_HELP "\n"
     SERVICE_EXIT_CODES_HELP ".\n",
     /* clang-format on */

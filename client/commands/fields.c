@@ -65,8 +65,8 @@ const command cmd_fields = {
     "stamps used, the jobs counted and those to come. A field that was measured with different\n"
     "settings has a line for each of them.\n"
     "\n"
-    "  --limit N               at most so many\n"
-    "  --cursor TEXT           go on where an earlier list ended\n"
+    "  --limit N               at most N\n"
+    "  --cursor TEXT           continue where an earlier list ended\n"
     "  --brief                 only the names\n"
     SERVICE_OPTIONS_HELP "\n"
     SERVICE_EXIT_CODES_HELP ".\n",

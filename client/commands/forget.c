@@ -61,12 +61,13 @@ const command cmd_forget = {
     .usage =
     "usage: shearctl forget [OPTION...] NAME\n"
     "\n"
-    "Take everything that was counted in a field back, as retract does for each of its jobs, also those\n"
-    "that the service no longer lists. Not while jobs of the field are unfinished. Administrators.\n"
-    "The field is gone at once; very many jobs take a while, and go on without shearctl, too.\n"
+    "Take back everything that was counted in a field, as retract does for each of its jobs, including\n"
+    "those that the service no longer lists. Refused while jobs of the field are unfinished.\n"
+    "Administrators only. The field is gone at once; with very many jobs the removal takes a while, and\n"
+    "continues if shearctl ends.\n"
     "\n"
     "  --digest TEXT           only the result of these settings\n"
-    "  --yes                   do it; without, only say what it would take back\n"
+    "  --yes                   do it; otherwise only report what would be taken back\n"
     SERVICE_OPTIONS_HELP "\n"
     SERVICE_EXIT_CODES_HELP ".\n",
     /* clang-format on */

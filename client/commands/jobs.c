@@ -27,7 +27,7 @@ static enum exit_code set_states(const option_entry *e, const char *value) {
         if (state == SHEARD_N_JOB_STATES) {
             return message_fail(EXIT_CODE_USAGE,
                                 "queued, running, waiting, done, failed, cancelled, retracted",
-                                "--state %s: \"%.*s\" is no state of a job", value, (int)n, at);
+                                "--state %s: \"%.*s\" is not a state of a job", value, (int)n, at);
         }
         *states |= 1U << state;
         at += n;
@@ -105,8 +105,8 @@ const command cmd_jobs = {
     "                          done, failed, cancelled, retracted\n"
     "  --field NAME            only jobs of this field\n"
     "  --user USER             only jobs of this user (a name, a number, or me)\n"
-    "  --limit N               at most so many (default 50)\n"
-    "  --cursor TEXT           go on where an earlier list ended\n"
+    "  --limit N               at most N (default 50)\n"
+    "  --cursor TEXT           continue where an earlier list ended\n"
     "  --brief                 only the numbers of the jobs\n"
     SERVICE_OPTIONS_HELP "\n"
     SERVICE_EXIT_CODES_HELP ".\n",

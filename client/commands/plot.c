@@ -83,7 +83,7 @@ static enum exit_code draw_catalog(shear_figure **figure, const plot_command *c,
     if (shear_catalog_read(&table, c->path, &err) != 0) {
         if (err.code != SHEAR_E_FORMAT)
             return message_error(&err);
-        return message_fail(EXIT_CODE_INPUT, "\"shearctl validate\" tells what is in a field file",
+        return message_fail(EXIT_CODE_INPUT, "\"shearctl validate\" lists what is in a field file",
                             "%s is neither a field file (%s) nor a result catalog (%s)", c->path,
                             as_field->message, err.message);
     }

@@ -32,8 +32,8 @@ const command cmd_reload = {
     .usage =
     "usage: shearctl reload [OPTION...]\n"
     "\n"
-    "Have the service read its configuration again. Where something is wrong in it, the old one stays in\n"
-    "force and the errors are told. Administrators only.\n"
+    "Have the service read its configuration again. If it has errors, they are printed and the old one\n"
+    "stays in force. Administrators only.\n"
     "\n"
     SERVICE_OPTIONS_HELP "\n"
     SERVICE_EXIT_CODES_HELP ".\n",

@@ -108,7 +108,7 @@ const command cmd_validate = {
     "Tell what is in each field file, how it would be measured with these settings, which stamps would be\n"
     "left out and why. Stamps count from 0.\n"
     "\n"
-    "  --json                  one JSON object per file and line, instead of words\n"
+    "  --json                  one JSON object per file and line, instead of text\n"
     "  --quiet                 no progress bar\n"
     "\n"
     "settings:\n"

@@ -37,7 +37,7 @@ static void check_room(doctor *d, const char *subject, const char *path) {
     struct statvfs fs;
     if (statvfs(path, &fs) != 0) {
         doctor_warn(d, subject, "run doctor as root or as the service's user",
-                    "%s cannot be looked at: %s", path, strerror(errno));
+                    "%s cannot be examined: %s", path, strerror(errno));
         return;
     }
     doctor_report_space(d, subject, path, (int64_t)fs.f_bavail * (int64_t)fs.f_frsize);
@@ -121,7 +121,7 @@ static void check_lock(doctor *d) {
     const bool locked = there && is_locked(&st);
     if (!there && errno != ENOENT) {
         doctor_warn(d, "lock", "run doctor as root or as the service's user",
-                    "%s cannot be looked at: %s", path, strerror(errno));
+                    "%s cannot be examined: %s", path, strerror(errno));
     } else if (!locked && d->reached) {
         doctor_warn(d, "lock", "does the service that answers use another configuration?",
                     "nobody holds the lock of the spool, though the service runs");
@@ -159,7 +159,7 @@ static void check_root(doctor *d, const char *path) {
     struct stat st;
     const int error = stat(path, &st) != 0 ? errno : S_ISDIR(st.st_mode) ? 0 : ENOTDIR;
     if (error != 0) {
-        doctor_warn(d, "data root", "mount it, or make it; jobs beneath it wait until it is there",
+        doctor_warn(d, "data root", "mount or create it; jobs beneath it wait until it exists",
                     "%s: %s", path, strerror(error));
     } else if (access(path, R_OK | X_OK) != 0) {
         doctor_warn(d, "data root", "ask for read permission on it",
@@ -171,7 +171,7 @@ static void check_root(doctor *d, const char *path) {
 
 void doctor_report_no_roots(doctor *d) {
     doctor_warn(d, "data root", "set [access] data_roots, if files are to be submitted by name",
-                "none: files are taken from the watch folder alone");
+                "none: files come only from the watch folder");
 }
 
 static void check_roots(doctor *d) {

@@ -23,8 +23,8 @@ static void look(doctor *d) {
         doctor_check_view(d);
     } else {
         const struct passwd *me = getpwuid(geteuid());
-        doctor_warn(d, "view", "start the service, and run doctor again: then it is asked",
-                    "no service tells what it sees: what follows is seen with the eyes of %s",
+        doctor_warn(d, "view", "start the service and run doctor again, which then asks it",
+                    "no service answers: what follows is what is visible to %s",
                     me != NULL ? me->pw_name : "this user");
         doctor_check_disks(d);
     }

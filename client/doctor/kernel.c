@@ -30,7 +30,7 @@ static void check_landlock(doctor *d) {
     } else {
         doctor_warn(d, "landlock",
                     "boot with landlock among the security modules (lsm=landlock,...)",
-                    "no Landlock (%s): seccomp alone guards the readers", strerror(errno));
+                    "no Landlock (%s): only seccomp guards the readers", strerror(errno));
     }
 }
 

@@ -61,13 +61,12 @@ void doctor_check_config(doctor *d) {
     const char *name = d->config != NULL ? d->config : "the configuration";
     if (code != 0) {
         const char *why = line_with(said, "error", NULL, line, sizeof line);
-        doctor_fail(d, "config",
-                    "correct the file; sheard --check-config tells all that is wrong in it",
+        doctor_fail(d, "config", "correct the file; sheard --check-config lists all of its errors",
                     "%s is not valid: %s", name, why != NULL ? why : "no reason was given");
     } else if (line_with(said, "warning", d->told ? "data_roots" : NULL, line, sizeof line) !=
                NULL) {
         /* data roots: the service reports on them later */
-        doctor_warn(d, "config", "sheard --check-config tells more", "%s", line);
+        doctor_warn(d, "config", "sheard --check-config lists all errors", "%s", line);
     } else {
         doctor_ok(d, "config", "%s is valid", name);
     }
@@ -92,7 +91,7 @@ void doctor_check_program(doctor *d) {
     d->program = run_program_find("sheard");
     if (d->program == NULL) {
         doctor_warn(d, "program", "install sheard, or run doctor where the service runs",
-                    "sheard is not installed here: its configuration cannot be looked at");
+                    "sheard is not installed here: its configuration cannot be examined");
         return;
     }
     check_version(d, d->program);

@@ -28,8 +28,7 @@ void doctor_use_paths(doctor *d) {
     if (d->config == NULL) {
         d->config = s->config;
     } else if (strcmp(d->config, s->config) != 0) {
-        doctor_warn(d, "config",
-                    "leave --config out to look at the one of the service that answers",
+        doctor_warn(d, "config", "leave --config out to examine that of the running service",
                     "the service that answers was configured by %s", s->config);
     }
 }
@@ -37,8 +36,8 @@ void doctor_use_paths(doctor *d) {
 static void tell_root(doctor *d, const sheard_msg_root *r) {
     if (r->missing) {
         doctor_warn(d, "data root",
-                    "mount it, or make it, where the service sees it (home-data.conf, where it is "
-                    "beneath /home); jobs beneath it wait",
+                    "mount or create it where the service sees it (home-data.conf if it is beneath "
+                    "/home); jobs beneath it wait",
                     "%s", r->reason != NULL ? r->reason : r->path);
     } else if (access(r->path, R_OK | X_OK) != 0) {
         doctor_warn(d, "data root", "ask for read permission on it",
@@ -52,7 +51,7 @@ static void tell_root(doctor *d, const sheard_msg_root *r) {
 
 static void tell_disk(doctor *d, const sheard_msg_disk *disk) {
     if (disk->problem != NULL) {
-        doctor_fail(d, disk->use, "see that it is there, and that the service may write to it",
+        doctor_fail(d, disk->use, "make sure that it exists and that the service may write to it",
                     "%s: %s", disk->path, disk->problem);
     } else {
         doctor_report_space(d, disk->use, disk->path, disk->free_bytes);
@@ -82,15 +81,16 @@ static void tell_probe(doctor *d, const sheard_msg_probed *p) {
             p->code != NULL ? p->code : "", p->code != NULL ? "]" : "");
         return;
     }
-    doctor_ok(d, "probe", "the service measures: g1 %+.5f (is %+.5f), g2 %+.5f (is %+.5f), %.2f s",
-              p->g1, p->true_g1, p->g2, p->true_g2, p->seconds);
+    doctor_ok(d, "probe",
+              "the service measures: g1 %+.5f (true %+.5f), g2 %+.5f (true %+.5f), %.2f s", p->g1,
+              p->true_g1, p->g2, p->true_g2, p->seconds);
     doctor_report(d, "sandbox", p->landlock ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
                   p->landlock ? NULL
                               : "boot with landlock among the security modules (lsm=landlock,...)",
                   "%s%s",
                   p->landlock ? "the service's readers have system calls filtered and the file "
                                 "system closed (seccomp, Landlock)"
-                              : "no Landlock: seccomp alone guards the service's readers",
+                              : "no Landlock: only seccomp guards the service's readers",
                   p->namespaces ? ", and see no other process (namespaces)" : "");
 }
 
@@ -109,7 +109,7 @@ bool doctor_check_probe(doctor *d) {
     doctor_report(d, "probe", old ? SHEARD_CHECK_WARN : SHEARD_CHECK_FAIL,
                   old ? "install one release, and restart the service" : error.advice,
                   old ? "the service is too old to be asked whether it can measure"
-                      : "the service does not tell whether it can measure: %s",
+                      : "the service does not say whether it can measure: %s",
                   error.message);
     return false;
 }

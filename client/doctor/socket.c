@@ -88,7 +88,7 @@ static void check_state(doctor *d) {
     }
     for (size_t i = 0; i < s->n_problems; i++) {
         char line[800];
-        doctor_warn(d, "service", "the service's log tells more: journalctl -u sheard", "%s",
+        doctor_warn(d, "service", "see the service's log: journalctl -u sheard", "%s",
                     status_text_problem(s, i, line, sizeof line));
     }
 }

@@ -59,6 +59,6 @@ bool doctor_test_write(doctor *d, const char *subject, const char *directory) {
                   ours || error == EROFS || error == ENOSPC ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
                   remedy, "%s: %s may not write there (%s); it belongs to %s", directory,
                   user != NULL ? user->pw_name : "you", strerror(error),
-                  owner != NULL ? owner->pw_name : "nobody who is known");
+                  owner != NULL ? owner->pw_name : "an unknown user");
     return false;
 }

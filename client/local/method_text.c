@@ -33,7 +33,7 @@ static void print_filter(const method_lines *m, FILE *out) {
     if (!filters(m)) {
         text_line(out, "filter", "none%s",
                   is_filter(m->asked_filter, SHEAR_FILTER_AUTO)
-                      ? " (no core leaves the galaxies whole, or too few stamps tell)"
+                      ? " (no core leaves the galaxies whole, or there are too few stamps to tell)"
                       : "");
     } else if (m->core_per_stamp) {
         text_line(out, "filter", "core by each stamp's R_GAL, width %.4g px", m->width_px);
@@ -56,7 +56,7 @@ static void print_artefacts(const method_lines *m, FILE *out) {
     } else if (m->artefacts == 0) {
         text_line(out, "artefacts", "none found");
     } else if (m->artefacts > 0) {
-        text_line(out, "artefacts", "%" PRId64 " %s with a pixel that no sky can make: left out",
+        text_line(out, "artefacts", "%" PRId64 " %s with a pixel that no sky can produce: left out",
                   m->artefacts, m->artefacts == 1 ? "stamp" : "stamps");
     }
 }

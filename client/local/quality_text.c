@@ -11,8 +11,8 @@
 static const double EFFECT_MIN = 1e-4;
 
 static const char *place_of(const char *band) {
-    return strcmp(band, "high") == 0      ? ", read off beyond 3/4 of Nyquist"
-           : strcmp(band, "corners") == 0 ? ", read off beyond Nyquist"
+    return strcmp(band, "high") == 0      ? ", measured beyond 3/4 of Nyquist"
+           : strcmp(band, "corners") == 0 ? ", measured beyond Nyquist"
                                           : "";
 }
 
@@ -20,14 +20,14 @@ static const char *place_of(const char *band) {
 static void print_unchecked(const quality_lines *q, FILE *out) {
     if (q->r_psf_px < 1.0) {
         text_line(out, "level",
-                  "noise taken as that of the noise stamps: cannot be checked where R_PSF is "
-                  "below 1 px");
+                  "noise assumed to be that of the noise stamps: cannot be checked if R_PSF "
+                  "is below 1 px");
     } else if (strcmp(q->interpolation, "none") != 0) {
         text_line(out, "level",
-                  "noise taken as that of the noise stamps: cannot be checked where stamps "
+                  "noise assumed to be that of the noise stamps: cannot be checked if stamps "
                   "are interpolated");
     } else {
-        text_line(out, "level", "noise taken as that of the noise stamps, as asked for");
+        text_line(out, "level", "noise assumed to be that of the noise stamps, as requested");
     }
 }
 

@@ -41,7 +41,7 @@ static void print_columns(const shear_field_info *f, FILE *out) {
 static void print_field(const shear_field_info *f, FILE *out) {
     char scale[48] = "";
     if (isfinite(f->pixscale))
-        snprintf(scale, sizeof scale, ", %.4g arcsec a pixel", f->pixscale);
+        snprintf(scale, sizeof scale, ", %.4g arcsec per pixel", f->pixscale);
     text_line(out, "field", "%s%s", f->name[0] != '\0' ? f->name : "-", scale);
     text_line(out, "stamps", "%" PRId64 " pairs of %d x %d pixels, a %s of %d-bit %s%s%s, %.4g MB",
               f->n_stamps, f->geometry.nx, f->geometry.ny,
@@ -49,7 +49,8 @@ static void print_field(const shear_field_info *f, FILE *out) {
               f->bitpix < 0 ? "floats" : "integers", f->compressed ? ", tile-compressed" : "",
               f->gzipped ? ", gzipped" : "", 1e-6 * (double)f->file_bytes);
     if (f->noise_planes > 1)
-        text_line(out, "noise", "%d stamps a galaxy, whose moments are averaged", f->noise_planes);
+        text_line(out, "noise", "%d stamps per galaxy, whose moments are averaged",
+                  f->noise_planes);
     print_psf(f, out);
     print_columns(f, out);
     if (f->has_truth)
@@ -65,7 +66,7 @@ static void print_plan(const shear_plan_info *plan, const shear_settings *settin
         value_text_length(plan->beta_px, plan->beta_px, beta, sizeof beta),
         value_text_length(plan->core_px, plan->core_px, core, sizeof core));
     method_text_print(&m, out);
-    text_line(out, "spectrum", "%d x %d grid, modes below %.4g radians a pixel", plan->fine_nx,
+    text_line(out, "spectrum", "%d x %d grid, modes below %.4g radians per pixel", plan->fine_nx,
               plan->fine_ny, plan->k_cut);
 }
 
@@ -84,7 +85,7 @@ static void print_noise(const sheard_validation_report *v, FILE *out) {
     if (isfinite(v->noise_mean_err))
         snprintf(error, sizeof error, " +- %.2g", v->noise_mean_err);
     if (isfinite(v->noise_mean)) {
-        text_line(out, "noise", "mean %.4g%s a pixel, rms %.4g about each stamp's own",
+        text_line(out, "noise", "mean %.4g%s per pixel, rms %.4g about each stamp's own",
                   v->noise_mean, error, v->noise_rms);
     }
 }

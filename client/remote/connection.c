@@ -109,7 +109,7 @@ static enum connection_status receive_answer(connection *c, int64_t id, double d
             sheard_message_deinit(m);
             return connection_fail(error, CONNECTION_MISMATCH,
                                    "use a client and a service of one release",
-                                   "the service answers what was not asked");
+                                   "the service sent a reply to no request");
         }
         sheard_message_deinit(m);
     }

@@ -274,7 +274,7 @@ static void print_outcome(const sheard_msg_job *job, FILE *out) {
     } else if (job->outcome == SHEARD_OUTCOME_COUNTED) {
         text_line(out, "outcome", "counted to the field");
     } else if (job->state == SHEARD_JOB_RETRACTED) {
-        text_line(out, "outcome", "was counted, and is taken back");
+        text_line(out, "outcome", "was counted, and was taken back");
     }
     print_text(out, "catalog", job->catalog);
     report_text_print(job->result, NULL, out);

@@ -25,7 +25,7 @@ typedef struct service {
     }
 enum exit_code service_set_reply_timeout(const option_entry *entry, const char *value);
 #define SERVICE_OPTIONS_HELP                                                                       \
-    "  --json                  the service's answers as they come, one JSON object a line\n"       \
+    "  --json                  the service's answers as they come, one JSON object per line\n"     \
     "  --utc                   times in UTC instead of local time\n"                               \
     "  --socket PATH           the service's socket (default: SHEARD_SOCKET in the environment,\n" \
     "                          else " CONNECTION_DEFAULT_SOCKET ")\n"                              \

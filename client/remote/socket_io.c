@@ -76,7 +76,7 @@ static enum connection_status say_why(const char *path, int why, sheard_rpc_erro
     case ECONNREFUSED:
         return connection_fail(
             error, CONNECTION_UNREACHABLE,
-            "the service has stopped: systemctl start sheard; systemctl status sheard tells why",
+            "the service has stopped: systemctl start sheard; systemctl status sheard shows why",
             "nobody listens at the socket %s", path);
     case EACCES:
     case EPERM:
@@ -160,7 +160,7 @@ enum connection_status socket_io_receive(int fd, char *buf, size_t size, size_t 
         if (got == 0 || errno == ECONNRESET) {
             return connection_fail(
                 error, CONNECTION_UNREACHABLE,
-                "systemctl status sheard tells whether it was stopped; accepted jobs "
+                "systemctl status sheard shows whether it was stopped; accepted jobs "
                 "go on when it is started again",
                 "the service has closed the connection");
         }

@@ -17,8 +17,9 @@ static enum exit_code read_all(FILE *in, const char *name, char *buf, size_t siz
     if (ferror(in) != 0)
         return message_fail(EXIT_CODE_INPUT, NULL, "cannot read %s: %s", name, strerror(errno));
     if (*n == size) {
-        return message_fail(EXIT_CODE_INPUT, NULL, "%s is no job file: it has more than %d bytes",
-                            name, SHEARD_MSG_JOB_FILE_MAX);
+        return message_fail(EXIT_CODE_INPUT, NULL,
+                            "%s is not a job file: it has more than %d bytes", name,
+                            SHEARD_MSG_JOB_FILE_MAX);
     }
     return EXIT_CODE_DONE;
 }

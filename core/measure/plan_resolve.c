@@ -25,8 +25,9 @@ static int check_geometry(const shear_geometry *g, shear_error *err) {
                           SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
     }
     if (g->psf_nx < 2 || g->psf_ny < 2 || g->psf_oversample < 1) {
-        return shear_fail(err, SHEAR_E_PSF, NULL, "a PSF of %d x %d samples, %d a pixel: too small",
-                          g->psf_nx, g->psf_ny, g->psf_oversample);
+        return shear_fail(err, SHEAR_E_PSF, NULL,
+                          "a PSF of %d x %d samples, %d per pixel: too small", g->psf_nx, g->psf_ny,
+                          g->psf_oversample);
     }
     return SHEAR_OK;
 }
@@ -40,8 +41,9 @@ static int check_psf_size(const shear_plan_info *info, int factor, shear_error *
     const double modes = 0.5 * g->nx * fmin(q, info->oversample) * g->ny * q;
     if (modes > max_fine_points || (factor > 1 && samples > max_fine_points)) {
         return shear_fail(
-            err, SHEAR_E_PSF, "give a PSF of fewer samples, or of fewer a pixel (OVERSAMP)",
-            "a PSF of %d x %d samples, %d a pixel, is too large for stamps of %d x %d px",
+            err, SHEAR_E_PSF,
+            "give a PSF of fewer samples, or with fewer samples per pixel (OVERSAMP)",
+            "a PSF of %d x %d samples, %d per pixel, is too large for stamps of %d x %d px",
             g->psf_nx, g->psf_ny, g->psf_oversample, g->nx, g->ny);
     }
     return SHEAR_OK;

@@ -49,7 +49,7 @@ static int check_geometry(const shear_geometry *g, shear_error *err) {
     }
     if (g->psf_oversample < 1 || g->psf_oversample > MAX_PSF_OVERSAMPLE) {
         return shear_fail(err, SHEAR_E_FORMAT,
-                          "give geometry.psf_oversample; 1 is a sample a pixel",
+                          "give geometry.psf_oversample; 1 is one sample per pixel",
                           "%d PSF samples per pixel: there must be 1 to %d", g->psf_oversample,
                           MAX_PSF_OVERSAMPLE);
     }

@@ -37,9 +37,9 @@ static int fail_plainly(const request *r, int error, shear_error *err) {
     switch (error) {
     case EXDEV:
     case ELOOP:
-        return shear_fail(err, ACCESS_E_OUTSIDE, "give the file itself, beneath a data root",
-                          "%.300s: a link on the way leads out of the data root, or in circles",
-                          r->path);
+        return shear_fail(
+            err, ACCESS_E_OUTSIDE, "give the file itself, beneath a data root",
+            "%.300s: a symbolic link on the way leads out of the data root, or in a loop", r->path);
     case ENOENT:
     case ENOTDIR:
         return shear_fail(err, ACCESS_E_NOT_FOUND, NULL, "%.300s: no such file", r->path);

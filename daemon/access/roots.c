@@ -48,12 +48,11 @@ bool path_climbs(const char *path) {
 
 int root_open(const char *name, int *fd, shear_error *err) {
     *fd = open(name, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    return *fd >= 0
-               ? SHEAR_OK
-               : shear_fail(err, ACCESS_E_ROOT,
-                            "mount it, or make it, where the service sees it (its unit may "
-                            "hide it: ProtectHome=, PrivateTmp=); or remove it from data_roots",
-                            "data root %.300s is missing: %s", name, strerror(errno));
+    return *fd >= 0 ? SHEAR_OK
+                    : shear_fail(err, ACCESS_E_ROOT,
+                                 "mount or create it where the service sees it (its unit may hide "
+                                 "it: ProtectHome=, PrivateTmp=); or remove it from data_roots",
+                                 "data root %.300s is missing: %s", name, strerror(errno));
 }
 
 int access_root_check(const char *path, shear_error *err) {

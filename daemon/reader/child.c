@@ -100,7 +100,8 @@ static int answer(child *c, const reader_request *r, reader_reply *reply) {
     case READER_HASH:
         return do_hash(c, reply, err);
     default:
-        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader knows no request %u", r->op);
+        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader got an unknown request %u",
+                          r->op);
     }
 }
 

@@ -43,7 +43,7 @@ int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size) {
     if (got > 0) {
         describe_end(status, end, size);
     } else {
-        snprintf(end, size, "nothing is known of its end");
+        snprintf(end, size, "how it ended is unknown");
     }
     return got > 0 && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }

@@ -70,7 +70,7 @@ static bool look_for_folders(spool *s) {
     const int code = folders_check(&s->folders, &changed, &err);
     if (code != SHEAR_OK) {
         if (!s->away) {
-            report_line(s, SPOOL_ERROR, "%s; no file is taken meanwhile (%s)", err.message,
+            report_line(s, SPOOL_ERROR, "%s; no files are taken meanwhile (%s)", err.message,
                         err.advice);
         }
         s->away = true;

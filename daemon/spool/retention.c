@@ -179,7 +179,7 @@ static void remove_item(spool *s, const ended_file *item) {
         return; /* somebody else has removed it, and a newer file may have the name */
     }
     if (unlinkat(fd, item->name, 0) != 0) {
-        report_line(s, SPOOL_WARNING, "%s/%s/%s: is to be removed, but cannot: %s", s->folders.path,
+        report_line(s, SPOOL_WARNING, "%s/%s/%s: cannot be removed: %s", s->folders.path,
                     folder_name(folder), item->name, strerror(errno));
         return;
     }

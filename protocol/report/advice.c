@@ -49,7 +49,7 @@ const char *sheard_advice_bright_border(const shear_result *r, const shear_plan_
         return NULL;
     return advice_say(
         buf, size,
-        "the stamps' borders are brighter than the noise stamps' by %.2g +- %.1g a pixel, over "
+        "the stamps' borders are brighter than the noise stamps' by %.2g +- %.1g per pixel, over "
         "a whole stamp %.1f %% of the mean flux: wings that are cut off, neighbours, or a sky "
         "that the noise stamps do not have? cut larger stamps; see that the sky of both is "
         "subtracted alike",
@@ -114,7 +114,7 @@ const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info 
         return advice_say(
             buf, size,
             "a gradient lies over the stamps, beyond the noise stamps': their borders' right "
-            "side is brighter than the left one by %.2g +- %.1g a pixel, the top than the "
+            "side is brighter than the left one by %.2g +- %.1g per pixel, the top than the "
             "bottom by %.2g +- %.1g (over a whole stamp %.0f %% of the mean flux), which biases "
             "the shear: %s, unless neighbours lie on that side",
             r->border_step_x, r->border_step_x_err, r->border_step_y, r->border_step_y_err,
@@ -129,7 +129,7 @@ const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info 
         return advice_say(
             buf, size,
             "gradients lie over the stamps, beyond the noise stamps', in changing directions: "
-            "opposite sides of their borders differ by %.2g a pixel (root mean square; over a "
+            "opposite sides of their borders differ by %.2g per pixel (root mean square; over a "
             "whole stamp %.0f %% of the mean flux): neighbours, or a sky that varies: %s",
             rms, 100.0 * rms * stamp_area(plan) / r->mean_flux, cure);
     }
@@ -147,7 +147,7 @@ const char *sheard_advice_many_artefacts(const shear_result *r, const shear_plan
     return advice_say(
         buf, size,
         "%.2g %% of the stamps are left out for artefacts: cosmic rays in so many? else the PSF "
-        "is broader than the images' own, or the sky is a few photons a pixel, which look like "
+        "is broader than the images' own, or the sky is a few photons per pixel, which look like "
         "them, and then the bright galaxies are left out: give --artefacts keep, and FLAGS of "
         "your own",
         100.0 * (double)n / (double)r->n_stamps);

@@ -55,7 +55,7 @@ const char *sheard_advice_no_noise(const shear_result *r, const shear_plan_info 
     return advice_say(
         buf, size,
         "the noise stamps hold no noise (or only what rounding makes), and the galaxies do, "
-        "of a variance of about %.2g a pixel: it is not taken off, %s; give noise stamps of "
+        "of a variance of about %.2g per pixel: it is not taken off, %s; give noise stamps of "
         "the same image",
         noise_of_galaxies(r), effect);
 }
@@ -71,7 +71,7 @@ const char *sheard_advice_small_stamps(const shear_result *r, const shear_plan_i
         snprintf(much, sizeof much, "by about %.2g %%", 100.0 * bias);
     return advice_say(
         buf, size,
-        "stamps of %d x %d px are small for beta = %.3g px, since a transform takes them for "
+        "stamps of %d x %d px are small for beta = %.3g px, since the transform is "
         "periodic: the shear of galaxies 1.5 times as large as the PSF is biased %s; cut "
         "stamps of %.0f px at least (10 beta), or larger",
         plan->geometry.nx, plan->geometry.ny, plan->beta_px, much, ceil(10.0 * plan->beta_px));
@@ -97,13 +97,13 @@ bool sheard_cause_of(const shear_result *r, const shear_plan_info *plan, sheard_
                                 "give noise stamps of the same image as the galaxies"};
     } else if (has_wrong_noise(r, plan)) {
         *cause = (sheard_cause){
-            "the noise under the galaxies has another spectrum than that of the noise stamps",
+            "the noise under the galaxies has a different spectrum from that of the noise stamps",
             "take noise stamps from the same image, resampled alike"};
     } else if (looked_at && shear_plan_periodic_bias(plan) > BIAS_NONE) {
         *cause = (sheard_cause){
             "the stamps are too small for beta, or the PSF is not as wide (OVERSAMP forgotten?)",
             "cut stamps that are 10 beta wide at least; give the keyword OVERSAMP where the PSF "
-            "has several samples a galaxy pixel"};
+            "has several samples per galaxy pixel"};
     } else {
         return false;
     }

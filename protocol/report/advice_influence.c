@@ -51,7 +51,7 @@ const char *sheard_advice_errors(const shear_result *r, const shear_plan_info *p
         buf, size, "the errors by the jackknife are %.2g times those of the delta method: %s",
         ratio,
         ratio < 1.0 ? "stamps that are rotated copies of each other, whose shapes cancel? or "
-                      "do a few stamps decide?"
+                      "do a few stamps dominate?"
                     : "neighbouring stamps that are not independent of each other? or do a "
-                      "few stamps decide?");
+                      "few stamps dominate?");
 }

@@ -52,7 +52,7 @@ const char *sheard_advice_noise_level(const shear_result *r, const shear_plan_in
             buf, size,
             "the noise stamps are not of the galaxies' noise: under the galaxies it has %.3g "
             "+- %.1g times their variance (another image? another unit? objects in the noise "
-            "stamps?): taken into account, for without that, %s; but give noise stamps of "
+            "stamps?): taken into account, since without that, %s; but give noise stamps of "
             "the same image",
             r->noise_level, err, effect);
     }
@@ -95,7 +95,7 @@ const char *sheard_advice_noise_shape(const shear_result *r, const shear_plan_in
         return NULL;
     return advice_say(
         buf, size,
-        "the noise under the galaxies has another spectrum than that of the noise stamps: it "
+        "the noise under the galaxies has a different spectrum from that of the noise stamps: it "
         "is %.3g times as strong (+- %.1g), and beyond Nyquist %.0f +- %.1g %% %s than that "
         "(is one correlated from pixel to pixel, and the other less?): no noise level cures "
         "that, the shear is biased; take noise stamps from the same image, resampled alike",
@@ -113,7 +113,7 @@ const char *sheard_advice_noise_scatter(const shear_result *r, const shear_plan_
     }
     return advice_say(
         buf, size,
-        "the noise level, %.3g +- %.2g, hangs on one stamp with absurd pixels; look at stamp "
+        "the noise level, %.3g +- %.2g, depends on one stamp with absurd pixels; look at stamp "
         "%" PRId64 " first, which counts most (shearctl plot --stamp %" PRId64 "), and mask "
         "it (column FLAGS) where it is no galaxy",
         r->noise_level, err, r->top_stamp, r->top_stamp);

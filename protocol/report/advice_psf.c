@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Write "3 of 64 PSFs looked at (the worst): ", if there are several, then the text. */
+/* Write "3 of 64 PSFs examined (the worst): ", if there are several, then the text. */
 static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
                        const char *format, ...) __attribute__((format(printf, 5, 6)));
 
@@ -17,7 +17,7 @@ static const char *say(const shear_psf_summary *s, int64_t count, char *buf, siz
                        const char *format, ...) {
     int used = 0;
     if (s->looked_at > 1) {
-        used = snprintf(buf, size, "%" PRId64 " of %" PRId64 " PSFs looked at (the worst): ", count,
+        used = snprintf(buf, size, "%" PRId64 " of %" PRId64 " PSFs examined (the worst): ", count,
                         s->looked_at);
     }
     va_list args;
@@ -79,7 +79,7 @@ static const char *undersampled(const shear_plan_info *plan, char *buf, size_t s
     const shear_psf_summary *s = &plan->psf;
     return say(s, s->flawed[SHEAR_PSF_UNDERSAMPLED], buf, size,
                "the PSF is under-sampled: its radius R_PSF is only %.2g of its samples, which "
-               "biases the shear by %s: give it with more samples a pixel (OVERSAMP)",
+               "biases the shear by %s: give it with more samples per pixel (OVERSAMP)",
                s->worst.sampling,
                how_much(shear_psf_sampling_bias(&s->worst, plan->beta_px), much));
 }
@@ -95,7 +95,7 @@ static const char *negative(const shear_plan_info *plan, char *buf, size_t size)
 static const char *unusable(const shear_psf_summary *s, char *buf, size_t size) {
     return advice_say(
         buf, size,
-        "%" PRId64 " of %" PRId64 " PSFs looked at are unusable (not finite, flat, no flux, "
+        "%" PRId64 " of %" PRId64 " PSFs examined are unusable (not finite, flat, no flux, "
         "or with their peak at the image's edge): their stamps are flagged psf_unusable",
         s->unusable, s->looked_at);
 }

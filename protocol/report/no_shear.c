@@ -26,7 +26,7 @@ static const reason reasons[] = {
                        "brighter than the galaxies"},
     [SHEAR_TOO_NARROW] =
         {"too_narrow", "the galaxies look narrower than the PSF: OVERSAMP forgotten?",
-         "give the keyword OVERSAMP where the PSF has several samples a galaxy "
+         "give the keyword OVERSAMP where the PSF has several samples per galaxy "
          "pixel; else see that the PSF is that of these galaxies, and the stamps are 10 beta wide"},
     [SHEAR_NO_SYMMETRY] = {"no_symmetry", "the stamps' symmetry has no solution",
                            "16 stamps are needed at least; or use --estimator mean"},

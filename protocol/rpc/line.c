@@ -42,7 +42,7 @@ static int check_length(char **line, size_t *n, sheard_rpc_error *error) {
     *line = NULL;
     *n = 0;
     return sheard_rpc_fail(error, SHEARD_RPC_LINE_TOO_LONG, NULL,
-                           "%zu bytes; at most %zu are taken", length,
+                           "%zu bytes; at most %zu are accepted", length,
                            sheard_rpc_request_limits.line);
 }
 

@@ -15,7 +15,7 @@ static int invalid(sheard_rpc_error *error, const char *said) {
 static int check_shape(const json_t *root, sheard_rpc_error *error) {
     if (json_is_array(root)) {
         return sheard_rpc_fail(error, SHEARD_RPC_BATCH_UNSUPPORTED, NULL,
-                               "a batch of requests is not taken");
+                               "batches of requests are not accepted");
     }
     return json_is_object(root) ? SHEARD_RPC_OK : invalid(error, "a request is an object");
 }

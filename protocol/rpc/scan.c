@@ -93,19 +93,19 @@ static int check_limits(const scanner *s, const sheard_rpc_limits *limits,
                         sheard_rpc_error *error) {
     if (s->deepest > limits->depth) {
         return sheard_rpc_fail(error, SHEARD_RPC_TOO_COMPLEX, NULL,
-                               "objects and arrays are %d deep; at most %d are taken", s->deepest,
-                               limits->depth);
+                               "objects and arrays are %d deep; at most %d are accepted",
+                               s->deepest, limits->depth);
     }
     if (s->values > limits->values) {
         return sheard_rpc_fail(error, SHEARD_RPC_TOO_COMPLEX, NULL,
-                               "there are %zu members and elements; at most %zu are taken",
+                               "there are %zu members and elements; at most %zu are accepted",
                                s->values, limits->values);
     }
     const size_t longest =
         s->in_string && s->at - s->text_at > s->longest ? s->at - s->text_at : s->longest;
     if (longest > limits->text) {
         return sheard_rpc_fail(error, SHEARD_RPC_TOO_COMPLEX, NULL,
-                               "a string has %zu bytes; at most %zu are taken", longest,
+                               "a string has %zu bytes; at most %zu are accepted", longest,
                                limits->text);
     }
     return SHEARD_RPC_OK;
@@ -116,7 +116,7 @@ int rpc_scan_line(rpc_scan *scan, const char *line, size_t n, const sheard_rpc_l
     *scan = (rpc_scan){0};
     if (n > limits->line) {
         return sheard_rpc_fail(error, SHEARD_RPC_LINE_TOO_LONG, NULL,
-                               "%zu bytes; at most %zu are taken", n, limits->line);
+                               "%zu bytes; at most %zu are accepted", n, limits->line);
     }
     if (memchr(line, '\0', n) != NULL)
         return sheard_rpc_fail(error, SHEARD_RPC_NUL_BYTE, NULL, "there is a NUL byte in the text");

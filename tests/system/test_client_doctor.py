@@ -164,7 +164,7 @@ esac
         for name in ("state", "spool"):
             self.assertEqual(found[name]["level"], "ok", found[name])
         self.assertEqual(found["view"]["level"], "warn")
-        self.assertIn("with the eyes of", found["view"]["message"])
+        self.assertIn("what is visible to", found["view"]["message"])
         for name in ("state", "spool/done"):
             os.chmod(self.path(name), 0o555)
         me = {}

@@ -15,7 +15,7 @@ class Usage(ServiceTest):
             (["submit"], "which files"), (["show"], "which job"), (["wait"], "which jobs"), (["cancel"], "which jobs"),
             (["field"], "which field"), (["field", "a", "b"], "unexpected"), (["jobs", "x"], "unexpected"),
             (["fields", "a", "b"], "unexpected"), (["status", "x"], "unexpected"),
-            (["jobs", "--state", "sleeping"], "no state"), (["jobs", "--state", "done,x"], "no state"),
+            (["jobs", "--state", "sleeping"], "not a state"), (["jobs", "--state", "done,x"], "not a state"),
             (["jobs", "--user", "no such user"], "no such user"), (["jobs", "--limit", "0"], "--limit"),
             (["jobs", "--limits", "3"], "--limit"), (["wait", "x"], "not the number"), (["wait", "0"], "not the number"),
             (["wait", "-1"], "-1"), (["wait", "9" * 30], "not the number"),

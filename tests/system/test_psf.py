@@ -96,7 +96,7 @@ class Psf(ToolTest):
         self.assertEqual(verdict["flags"]["psf_unusable"], {"count": 1, "first": [7]})
         self.assertEqual((verdict["psf"]["looked_at"], verdict["psf"]["unusable"]), (64, 1))
         self.assertEqual(len(warnings), 1)
-        self.assertIn("1 of 64 PSFs looked at are unusable", warnings[0])
+        self.assertIn("1 of 64 PSFs examined are unusable", warnings[0])
         result = self.measure_one(path)
         self.assertEqual(result["flags"]["psf_unusable"], 1)
         for name, expected in zip(("g1", "g2"), field.expected()):
@@ -110,7 +110,7 @@ class Psf(ToolTest):
         warnings, verdict = self.warnings(field.write(self.path("psf.fits")))
         self.assertEqual(verdict["psf"]["flaws"]["pedestal"], 3)
         self.assertEqual(len(warnings), 1)
-        self.assertIn("3 of 12 PSFs looked at (the worst): the PSF's border is at 2 %", warnings[0])
+        self.assertIn("3 of 12 PSFs examined (the worst): the PSF's border is at 2 %", warnings[0])
 
     def test_a_later_file(self):
         paths = [Field(n=4 + i, name="one").write(self.path(f"{i}.fits")) for i in range(3)]

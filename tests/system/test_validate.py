@@ -102,7 +102,7 @@ class Validate(ToolTest):
                                  "--noise-stamps", "3", "--rotate", "1", "--quiet"), DONE)
         verdict = self.validate(path)
         self.assertEqual((verdict["good"], verdict["field"]["noise_stamps"]), (True, 3))
-        self.assertIn("3 stamps a galaxy", shearctl("validate", path).out)
+        self.assertIn("3 stamps per galaxy", shearctl("validate", path).out)
         with open(path, "r+b") as f:  # a NaN in the last noise stamp of the third galaxy
             data = f.read()
             noise = data.index(b"'NOISE   '")
@@ -273,8 +273,8 @@ class Validate(ToolTest):
         self.assertCode(answer, INPUT)
         (verdict,) = answer.json()
         (warning,) = verdict["warnings"]
-        self.assertIn("another spectrum", warning)
-        self.assertIn("another spectrum", verdict["verdict"])
+        self.assertIn("different spectrum", warning)
+        self.assertIn("different spectrum", verdict["verdict"])
 
     def test_one_stamp_that_decides(self):
         field = Field(n=60, nx=32, ny=32, size=2.0, sigma=1.0)

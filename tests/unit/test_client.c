@@ -96,7 +96,7 @@ static void steps_of_stronger_noise_are_no_gradients(void **state) {
     assert_null(sheard_advice_gradient(&r, &plan, text, sizeof text));
     r.border_step2 += 0.25;
     assert_non_null(sheard_advice_gradient(&r, &plan, text, sizeof text));
-    assert_non_null(strstr(text, "differ by 0.5 a pixel"));
+    assert_non_null(strstr(text, "differ by 0.5 per pixel"));
     r.border_step2 = 0.75;
     r.noise_level = NAN;
     assert_non_null(sheard_advice_gradient(&r, &plan, text, sizeof text));
@@ -135,11 +135,11 @@ static void psf_warns(void **state) {
     shear_result r = {.n_used = 2};
     sheard_advice_all(&list, &r, &plan, NULL);
     assert_true(list.n >= 6);
-    assert_non_null(strstr(list.lines[list.n - 6], "3 of 256 PSFs looked at are unusable"));
+    assert_non_null(strstr(list.lines[list.n - 6], "3 of 256 PSFs examined are unusable"));
     for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
         char count[40];
         const char *line = list.lines[list.n - 5 + (size_t)i];
-        snprintf(count, sizeof count, "%d of 256 PSFs looked at (the worst): ", 200 + i);
+        snprintf(count, sizeof count, "%d of 256 PSFs examined (the worst): ", 200 + i);
         assert_true(strncmp(line, count, strlen(count)) == 0);
         assert_true(strlen(line) < SHEARD_ADVICE_SIZE - 1);
     }

@@ -77,7 +77,7 @@ static void bad_lines(void **state) {
     one_error(state, "[daemon]\nworkers ; = 3", 2, "no '='");
     one_error(state, "[daemon]\n= 3\n", 2, "no key");
     one_error(state, "[daemon\nworkers = 3\n", 1, "no ']'");
-    one_error(state, "\n[daemon] workers = 3\n", 2, "text behind the section");
+    one_error(state, "\n[daemon] workers = 3\n", 2, "text after the section");
     one_error(state, "workers = 3\n", 1, "before any section");
     one_error(state, "[daemon]\nworkers = 3 # three\n", 2, "'#' does not begin a comment");
     one_error(state, "[daemon]\nworkers = #3\n", 2, "'#' does not begin a comment");

@@ -160,7 +160,7 @@ static void mosaics_of_all_widths(void **state) {
     }
 }
 
-/* Several noise stamps a galaxy lie behind each other. */
+/* Several noise stamps per galaxy lie behind each other. */
 static void several_noise_stamps(void **state) {
     (void)state;
     static const int planes[] = {1, 2, 3, 64};

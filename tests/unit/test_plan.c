@@ -159,7 +159,7 @@ static void test_refusals(void **state) {
     check_refused(&large, "4", 1.0, SHEAR_E_PSF, "3000 x 3000");
     large.psf_nx = large.psf_ny = 9;
     large.psf_oversample = 400;
-    check_refused(&large, "2", 1.0, SHEAR_E_PSF, "400 a pixel");
+    check_refused(&large, "2", 1.0, SHEAR_E_PSF, "400 per pixel");
     shear_plan_free(NULL);
     shear_workspace_free(NULL);
 }

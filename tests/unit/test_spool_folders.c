@@ -131,7 +131,7 @@ static void directory_away_and_back(void **state) {
     fixture_run_until_scans(f, 1);
     snprintf(away, sizeof away, "%s/away", f->root);
     assert_int_equal(rename(f->directory, away), 0);
-    fixture_run_until(f, complained, "no file is taken meanwhile");
+    fixture_run_until(f, complained, "no files are taken meanwhile");
     fixture_run_for(f, 100);
     assert_int_equal(f->n_logs[SPOOL_ERROR], 1);
     assert_int_equal(rename(away, f->directory), 0);

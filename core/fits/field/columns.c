@@ -58,7 +58,7 @@ static int check_table(const sf_hdu *hdu, sf_place at, int64_t rows, shear_error
     if (hdu->kind != SF_TABLE || hdu->naxis != 2)
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "must be a binary table (BINTABLE)");
     if (hdu->axes[1] != rows) {
-        return sf_fail(err, SHEAR_E_FORMAT, at, "give it one row a stamp, in stamp order",
+        return sf_fail(err, SHEAR_E_FORMAT, at, "give it one row per stamp, in stamp order",
                        "it has %lld rows, but there are %lld galaxy stamps",
                        (long long)hdu->axes[1], (long long)rows);
     }

@@ -47,7 +47,7 @@ static int assign(shear_field *f, shear_error *err) {
     } else {
         return sf_fail(
             err, SHEAR_E_FORMAT, f->psf.cards.at,
-            "give one image, or one a stamp, or a column PSF_ID in CATALOG",
+            "give one image, or one per stamp, or a column PSF_ID in CATALOG",
             "it has %lld images for %lld stamps, and there is no column PSF_ID that says "
             "which is whose",
             (long long)info->n_psf, (long long)info->n_stamps);

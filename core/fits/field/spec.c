@@ -31,9 +31,9 @@ static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err)
         {inside(g->psf_oversample, 1, SF_MAX_OVERSAMPLE), "the PSF's oversampling must be 1 to 64"},
         {inside(s->n_stamps, 1, INT32_MAX), "the number of stamps must be 1 to 2147483647"},
         {inside(s->noise_planes, 0, SHEAR_MAX_NOISE_PLANES),
-         "there must be 1 to 64 noise stamps a galaxy"},
+         "there must be 1 to 64 noise stamps per galaxy"},
         {s->n_psf == 1 || s->n_psf == s->n_stamps || (has_ids && inside(s->n_psf, 1, INT32_MAX)),
-         "there must be one PSF, or one a stamp, or a column PSF_ID"},
+         "there must be one PSF, or one per stamp, or a column PSF_ID"},
         {s->layout == SHEAR_LAYOUT_CUBE || s->layout == SHEAR_LAYOUT_MOSAIC,
          "the layout is neither cube nor mosaic"},
         {inside(s->mosaic_columns, 0, s->n_stamps),
@@ -50,7 +50,7 @@ static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err)
 int sf_field_spec_check(const shear_field_spec *s, const char *file, shear_error *err) {
     const sf_place at = {file, NULL};
     if (s->name != NULL) {
-        char copy[72];
+        char copy[SHEAR_FIELD_NAME_SIZE];
         TRY(sf_field_name_copy(copy, s->name, SHEAR_E_SETTING, at, "as given", err));
     }
     if (!isnan(s->pixscale) && !(s->pixscale > 0.0 && isfinite(s->pixscale)))

@@ -174,13 +174,13 @@ int sf_table_find_number(const sf_table *t, const char *name, const sf_column **
     if (c == NULL)
         return SHEAR_OK;
     if (strchr("LBIJKED", c->type) == NULL || c->repeat != 1) {
-        return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
-                       "column %s must hold one number a row (TFORM B, I, J, K, E, D or L), but %s",
-                       name,
-                       c->type == 'P' || c->type == 'Q' ? "has a variable length"
-                       : c->type == 'A'                 ? "holds strings"
-                       : c->repeat != 1                 ? "has another repeat count"
-                                                        : "has another type");
+        return sf_fail(
+            err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
+            "column %s must hold one number per row (TFORM B, I, J, K, E, D or L), but %s", name,
+            c->type == 'P' || c->type == 'Q' ? "has a variable length"
+            : c->type == 'A'                 ? "holds strings"
+            : c->repeat != 1                 ? "has another repeat count"
+                                             : "has another type");
     }
     return c->by.wrong == NULL ? SHEAR_OK
                                : sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL,

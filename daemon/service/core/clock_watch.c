@@ -58,7 +58,7 @@ static void follow(clock_watch *w, int64_t offset, int64_t steady) {
     const int64_t by = offset - w->offset_ms;
     const bool jumped = by >= jump_ms || by <= -jump_ms;
     if (jumped) {
-        log_notice("the clock was set %s by %.1f s: waiting jobs wait as long as they were to",
+        log_notice("the clock was set %s by %.1f s: waiting jobs wait as long as planned",
                    by < 0 ? "back" : "forward", 1e-3 * (double)(by < 0 ? -by : by));
         w->owed_ms += by;
         w->jumped_ms = steady;

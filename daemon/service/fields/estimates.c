@@ -245,7 +245,7 @@ int estimates_get(service *s, const store_field *f, const shear_field_sums *sums
     *jobs = e->jobs;
     *out = e->result;
     return e->code == SHEAR_OK ? SHEAR_OK
-                               : shear_fail(err, e->code, "ask again; the log tells why",
+                               : shear_fail(err, e->code, "ask again; the log says why",
                                             "field '%s' could not be solved", f->name);
 }
 

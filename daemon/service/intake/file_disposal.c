@@ -58,7 +58,8 @@ static void keep_place(service *s, store_job *job, const spool_place *place) {
                ? store_set_disposal(s->store, job->id, place->name, place->fingerprint, &err)
                : code;
     if (code != SHEAR_OK)
-        log_warning("job %" PRId64 ": where its file lies is not kept: %s", job->id, err.message);
+        log_warning("job %" PRId64 ": the place of its file could not be stored: %s", job->id,
+                    err.message);
 }
 
 void file_disposal_end(service *s, store_job *job) {

@@ -179,7 +179,7 @@ static int claim_unmarked(service *s, const char *directory, const char *mark, s
         return fail_foreign(s, directory, "this one tells of none of them", err);
     const int error = write_mark(store_identity(s->store), directory, mark);
     if (error == EEXIST) {
-        return fail_foreign(s, directory, "another service takes the directory at this moment",
+        return fail_foreign(s, directory, "another service is taking the directory at this moment",
                             err);
     }
     return error == 0 ? SHEAR_OK

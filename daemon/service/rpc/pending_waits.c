@@ -206,8 +206,8 @@ static void refuse_memory(service *s, server_handle to) {
 static void refuse_many(service *s, server_handle to, size_t ids) {
     sheard_rpc_error error;
     sheard_rpc_fail(&error, SHEARD_RPC_TOO_MANY_REQUESTS, "wait for fewer jobs at a time",
-                    "your waits name %zu jobs; %d are taken of a user, %d of all", ids,
-                    (int)USER_IDS, (int)ALL_IDS);
+                    "your requests wait for %zu jobs; at most %d are accepted per user, %d in all",
+                    ids, (int)USER_IDS, (int)ALL_IDS);
     server_reply_error(s->server, to, &error);
 }
 

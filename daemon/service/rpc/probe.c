@@ -126,7 +126,7 @@ void method_probe(service *s, const server_request *r) {
     }
     if (p->n_asking == PROBE_ASKING) {
         refuse_with(s, r->handle, SHEARD_RPC_TOO_MANY_REQUESTS,
-                    "as many wait for the probe under way as may");
+                    "too many requests wait for the running probe");
         return;
     }
     p->asking[p->n_asking++] = r->handle;

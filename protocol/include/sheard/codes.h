@@ -25,17 +25,17 @@
          "send each request as a line of its own, without waiting for the reply to the one "       \
          "before")                                                                                 \
     CODE(LINE_TOO_LONG, line_too_long, -32001, false, NONE,                                        \
-         "split the request; hello tells the limits")                                              \
+         "split the request; hello reports the limits")                                            \
     CODE(NUL_BYTE, nul_byte, -32002, false, NONE, "send UTF-8 text without NUL bytes")             \
     CODE(TOO_COMPLEX, too_complex, -32003, false, NONE,                                            \
-         "split the request; hello tells the limits")                                              \
+         "split the request; hello reports the limits")                                            \
     CODE(DUPLICATE_KEY, duplicate_key, -32004, false, NONE, "give each member once")               \
     CODE(UNKNOWN_PARAMETER, unknown_parameter, -32005, false, NONE,                                \
          "check the spelling; docs/protocol.md lists the parameters")                              \
     CODE(MISSING_PARAMETER, missing_parameter, -32006, false, NONE,                                \
          "add the parameter; docs/protocol.md lists them")                                         \
     CODE(BAD_PARAMETER, bad_parameter, -32602, false, NONE,                                        \
-         "correct the parameter; docs/protocol.md tells what it may be")                           \
+         "correct the parameter; docs/protocol.md says what it may be")                            \
     CODE(BAD_SETTING, bad_setting, -32007, false, DATA,                                            \
          "shearctl help measure lists the settings and their values")                              \
     CODE(BAD_CURSOR, bad_cursor, -32008, false, NONE,                                              \
@@ -74,7 +74,7 @@
     CODE(PRIORITY_NOT_ALLOWED, priority_not_allowed, -32024, false, NONE,                          \
          "leave the priority out, or ask an administrator for more")                               \
     CODE(ROOT_MISSING, root_missing, -32025, true, TRANSIENT,                                      \
-         "mount the data root, or make it; accepted jobs wait for it")                             \
+         "mount or create the data root; accepted jobs wait for it")                               \
     /* it does not exist, or is not in that state */                                               \
     CODE(NO_SUCH_FILE, no_such_file, -32030, false, DATA, "check the path")                        \
     CODE(NOT_REGULAR, not_regular, -32031, false, DATA,                                            \
@@ -82,7 +82,7 @@
     CODE(NO_SUCH_JOB, no_such_job, -32032, false, NONE,                                            \
          "shearctl jobs lists the jobs; old ones are retired")                                     \
     CODE(NO_SUCH_FIELD, no_such_field, -32033, false, NONE, "shearctl fields lists the fields")    \
-    CODE(WRONG_STATE, wrong_state, -32034, false, NONE, "shearctl show tells the job's state")     \
+    CODE(WRONG_STATE, wrong_state, -32034, false, NONE, "shearctl show reports the job's state")   \
     CODE(KEY_REUSED, key_reused, -32035, false, NONE, "use a new key for a new request")           \
     CODE(BAD_CONFIG, bad_config, -32036, false, NONE,                                              \
          "correct the file; the old configuration is still in force")                              \
@@ -91,7 +91,7 @@
     /* reasons why a job failed, with libshear's own names (shear_code_name) */                    \
     CODE(IO, io, -32050, true, TRANSIENT, "look at the disk that the message names")               \
     CODE(BAD_FILE, bad_file, -32051, false, DATA,                                                  \
-         "shearctl validate tells what is wrong with the file")                                    \
+         "shearctl validate shows what is wrong with the file")                                    \
     CODE(BETA_TOO_SMALL, beta_too_small, -32052, false, DATA, "submit with a larger beta")         \
     CODE(BAD_PSF, bad_psf, -32053, false, DATA, "correct the PSF image")                           \
     CODE(NEGATIVE_PIXELS, negative_pixels, -32054, false, DATA,                                    \
@@ -103,9 +103,9 @@
     CODE(FILE_CHANGED, file_changed, -32059, false, TRANSIENT,                                     \
          "leave the file as it is until its job is done")                                          \
     CODE(READER_CRASHED, reader_crashed, -32060, false, BUG,                                       \
-         "keep the file and report it; shearctl validate may tell more")                           \
+         "keep the file and report it; shearctl validate may show more")                           \
     CODE(READER_TIMEOUT, reader_timeout, -32061, false, BUG,                                       \
-         "the file is damaged or its disk too slow; shearctl validate may tell more")              \
+         "the file is damaged or its disk too slow; shearctl validate may show more")              \
     CODE(READER_MEMORY, reader_memory, -32062, false, BUG,                                         \
          "the file is damaged, or raise the reader's limit of memory")                             \
     CODE(MEMORY_BUDGET, memory_budget, -32063, false, DATA,                                        \
