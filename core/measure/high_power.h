@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/high_power.h: the power of a pair at the wave numbers where no galaxy has any.
+/* measure/high_power.h: the power of a pair at the wave numbers where no galaxy has any, which
+ * gives the noise level.
  *
  * What is left there is the noise of the galaxy and the noise stamp (docs/method.md, section 5).
  * There are two bands: |k| from 3/4 of Nyquist to Nyquist, and the corners beyond it. Rows jy =

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* notify/notify.h: notify systemd of the service's state (sd_notify(3)), without libsystemd. One
- * thread. No call blocks: SHEAR_E_IO means that a message cannot be sent at once. Without
- * NOTIFY_SOCKET all calls do nothing and succeed. */
+/* notify/notify.h: notify systemd of the service's state, and that it is alive (sd_notify(3), the
+ * watchdog), without libsystemd. One thread. No call blocks: SHEAR_E_IO means that a message cannot
+ * be sent at once. Without NOTIFY_SOCKET all calls do nothing and succeed. */
 #pragma once
 
 #include "shear/error.h"

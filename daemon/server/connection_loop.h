@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/connection_loop.h: read a connection's input and process it. Each call may close the
- * connection. */
+/* server/connection_loop.h: read a connection's input and process it, and close connections that
+ * are idle or whose client does not read. Each call may close the connection. */
 #pragma once
 
 #include "server/connection.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Submit jobs, and retry them. */
+/* Submit jobs, once per idempotency key, and retry them. */
 #include "store/job.h"
 
 #include "base/cleanup.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* message/settings_text.h: write and read the lines of canonical settings (sheard/messages.h). */
+/* message/settings_text.h: write and read the lines of canonical settings (sheard/messages.h), and
+ * make their digest. */
 #pragma once
 
 #include "shear/settings.h"

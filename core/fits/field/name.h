@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/field/name.h: check the names of fields, which are used in protocols and reports. */
+/* fits/field/name.h: check the names of fields, which are used in protocols and reports, and make
+ * them from names of files. */
 #pragma once
 
 #include "fits/io/status.h"

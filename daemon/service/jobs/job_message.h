@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/jobs/job_message.h: a job as a message of the protocol. */
+/* service/jobs/job_message.h: a job as a message of the protocol, with its progress,
+ * rate and time left. */
 #pragma once
 
 #include "sheard/messages.h"
