@@ -17,8 +17,8 @@ typedef struct stage_pair {
     moments sum, noise_sum;
 } stage_pair;
 
-static const filter_map *filter_of(const stage_pair *s) {
-    return s->plan->filtered ? &s->plan->fine : NULL;
+static const filter_pair *filter_of(const stage_pair *s) {
+    return s->plan->info.filter != SHEAR_FILTER_NONE ? &s->plan->filter : NULL;
 }
 
 static int strips(const stage_pair *s) {
@@ -36,12 +36,12 @@ static void do_psf(stage_pair *s) {
 }
 
 static void interpolate(const stage_pair *s, surface *im, const double *pixels) {
-    const filter_map *filter = filter_of(s);
+    const filter_pair *filter = filter_of(s);
     int bad;
     surface_load(im, &s->plan->grid, pixels, &bad, &bad);
     for (int i = 0; i < strips(s); i++) {
-        const int y0 = filter != NULL ? filter->strip_y0[i] : 0;
-        const int y1 = filter != NULL ? filter->strip_y1[i] : s->plan->info.fine_ny;
+        const int y0 = filter != NULL ? filter->fine.strip_y0[i] : 0;
+        const int y1 = filter != NULL ? filter->fine.strip_y1[i] : s->plan->info.fine_ny;
         surface_strip(im, &s->plan->grid, strip_start(s, i), y0, y1, s->ws->strip.re);
     }
 }

@@ -10,9 +10,8 @@
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
-#include <string.h>
 
-enum { ALIGNMENT = 64, MAX_PASSES = 32 };
+enum { CACHE_LINE = 64, MAX_PASSES = 32 };
 
 /* FFTW's planner has global state: only fftw_execute* may run concurrently with it. */
 static pthread_mutex_t planner = PTHREAD_MUTEX_INITIALIZER;
@@ -25,27 +24,15 @@ struct fft_plan {
     fftw_plan other; /* if n has other factors: from lanes to lanes */
 };
 
-void *fft_alloc(size_t bytes) {
-    return aligned_alloc(ALIGNMENT, (bytes / ALIGNMENT + 1) * ALIGNMENT);
+/* Allocate memory aligned to a cache line, so that no vector of 64 bytes straddles two. */
+static void *allocate(size_t bytes) {
+    return aligned_alloc(CACHE_LINE, (bytes / CACHE_LINE + 1) * CACHE_LINE);
 }
 
-double *fft_zeros(size_t n) {
-    double *made = fft_alloc(n * sizeof *made);
-    return made != NULL ? memset(made, 0, n * sizeof *made) : NULL;
-}
-
-void fft_free(void *p) {
-    free(p);
-}
-
-fft_lanes fft_lanes_new(int n) {
+fft_lanes fft_lanes_take(arena *a, int n) {
     const size_t half = (size_t)n * FFT_LANES;
-    double *memory = fft_zeros(2 * half);
+    double *memory = arena_doubles(a, 2 * half);
     return (fft_lanes){.re = memory, .im = memory != NULL ? memory + half : NULL};
-}
-
-void fft_lanes_free(fft_lanes lanes) {
-    fft_free(lanes.re);
 }
 
 size_t fft_padded(int n) {
@@ -69,7 +56,7 @@ static bool find_passes(fft_plan *plan) {
 }
 
 static bool make_twiddles(fft_plan *plan) {
-    plan->twiddles = fft_alloc((size_t)plan->n_passes * 2 * (size_t)plan->n * sizeof(double));
+    plan->twiddles = allocate((size_t)plan->n_passes * 2 * (size_t)plan->n * sizeof(double));
     double *w = plan->twiddles;
     for (int i = 0; w != NULL && i < plan->n_passes; i++) {
         fft_pass *pass = &plan->pass[i];
@@ -89,16 +76,16 @@ static bool make_twiddles(fft_plan *plan) {
  * ones take several times as long. */
 static bool make_other(fft_plan *plan) {
     const size_t points = (size_t)plan->n * FFT_LANES;
-    fftw_complex *in = fft_alloc(points * sizeof *in);
-    fftw_complex *out = fft_alloc(points * sizeof *out);
+    fftw_complex *in = allocate(points * sizeof *in);
+    fftw_complex *out = allocate(points * sizeof *out);
     if (in != NULL && out != NULL) {
         pthread_mutex_lock(&planner);
         plan->other = fftw_plan_many_dft(1, &plan->n, FFT_LANES, in, NULL, FFT_LANES, 1, out, NULL,
                                          FFT_LANES, 1, FFTW_FORWARD, FFTW_ESTIMATE);
         pthread_mutex_unlock(&planner);
     }
-    fft_free(in);
-    fft_free(out);
+    free(in);
+    free(out);
     return plan->other != NULL;
 }
 
@@ -129,7 +116,7 @@ void fft_plan_free(fft_plan *plan) {
         fftw_destroy_plan(plan->other);
         pthread_mutex_unlock(&planner);
     }
-    fft_free(plan->twiddles);
+    free(plan->twiddles);
     free(plan);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fft/fft.h: complex transforms of eight lines at once, and memory for them.
+/* fft/fft.h: complex transforms of eight lines at once.
  *
  * Line l is lane l of every vector; real and imaginary parts are separate: element e is at [e
  * FFT_LANES + l]. In this layout a transform is plain vector arithmetic without shuffles, and takes
@@ -10,13 +10,9 @@
  * Plans are immutable, and running them is thread-safe; making them is serialised inside. */
 #pragma once
 
-#include <stddef.h>
+#include "base/arena.h"
 
-/* Allocate memory aligned to a cache line, so that no vector of 64 bytes straddles two. NULL if out
- * of memory; free it with fft_free. */
-void *fft_alloc(size_t bytes);
-double *fft_zeros(size_t n); /* n zeros; NULL if out of memory */
-void fft_free(void *p);
+#include <stddef.h>
 
 enum { FFT_LANES = 8 };
 
@@ -29,12 +25,11 @@ static inline double fft_total(const double *lanes) {
            ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
 }
 
-/* Eight lines: [n][FFT_LANES] each. im follows re in the same allocation. */
+/* Eight lines: [n][FFT_LANES] each. im follows re without a gap. */
 typedef struct fft_lanes {
     double *re, *im;
 } fft_lanes;
-fft_lanes fft_lanes_new(int n); /* zeros; re is NULL if out of memory */
-void fft_lanes_free(fft_lanes lanes);
+fft_lanes fft_lanes_take(arena *a, int n);
 
 typedef struct fft_plan fft_plan;
 fft_plan *fft_plan_new(int n); /* n >= 2 elements per line; NULL if out of memory */
@@ -43,7 +38,7 @@ void fft_plan_free(fft_plan *plan);
 size_t fft_plan_bytes(int n);
 
 /* Compute the forward transform of eight lines. Input: element e of lane l at re[e step + l], im[e
- * step + l], with step >= FFT_LANES. `a` and `b` come from fft_lanes_new, for n or more elements;
+ * step + l], with step >= FFT_LANES. `a` and `b` come from fft_lanes_take, for n or more elements;
  * one of them is returned and holds the result, the other one was scratch. `b` may be the input,
  * which is then overwritten: two buffers fit into the first-level cache where three do not. Nothing
  * else may overlap. */

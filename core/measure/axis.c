@@ -5,7 +5,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static axis_weights linear_weights(double t) {
@@ -59,24 +58,17 @@ static axis_point point(enum axis_kind kind, int n, int s, int fine) {
                         .on_grid = fine % s == 0};
 }
 
-bool axis_init(axis *ax, enum axis_kind kind, int n, int s) {
+void axis_place(axis *ax, enum axis_kind kind, int n, int s, arena *a) {
     assert(n >= 2 && s >= 1);
     const size_t fine = (size_t)n * (size_t)s;
     *ax = (axis){.kind = kind, .n = n, .s = s};
-    ax->points = calloc(fine + FFT_LANES, sizeof *ax->points);
-    ax->pivot = malloc((size_t)n * sizeof *ax->pivot);
-    if (ax->points == NULL || ax->pivot == NULL)
-        return false;
+    ax->points = arena_take(a, (fine + FFT_LANES) * sizeof *ax->points);
+    ax->pivot = arena_doubles(a, (size_t)n);
+    if (a->memory == NULL)
+        return;
     for (size_t i = 0; i < fine; i++)
         ax->points[i] = point(kind, n, s, (int)i);
     fill_pivots(ax->pivot, n);
-    return true;
-}
-
-void axis_deinit(axis *ax) {
-    free(ax->points);
-    free(ax->pivot);
-    *ax = (axis){0};
 }
 
 /* Zhang (2010), eq. (14): central differences, one-sided at the two ends. */
@@ -118,15 +110,21 @@ SHEAR_SIMD static void spline_slopes(const double *pivot, int n, const double *f
     }
 }
 
-void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int lanes) {
+/* Fill the slopes of n consecutive points. */
+static void fill_slopes(const axis *ax, int n, const double *f, double *e, size_t stride,
+                        int lanes) {
     if (ax->kind == AXIS_CUBIC) {
-        cubic_slopes(ax->n, f, e, stride, lanes);
+        cubic_slopes(n, f, e, stride, lanes);
     } else if (ax->kind == AXIS_SPLINE) {
-        spline_slopes(ax->pivot, ax->n, f, e, stride, lanes);
+        spline_slopes(ax->pivot, n, f, e, stride, lanes);
     } else { /* their weights are 0, but they must be finite */
-        for (int i = 0; i < ax->n; i++)
+        for (int i = 0; i < n; i++)
             memset(e + (size_t)i * stride, 0, (size_t)lanes * sizeof *e);
     }
+}
+
+void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int lanes) {
+    fill_slopes(ax, ax->n, f, e, stride, lanes);
 }
 
 static bool is_mark(double f) {
@@ -145,16 +143,7 @@ void axis_slopes_marked(const axis *ax, const double *marks, const double *f, do
         int end = i + 1;
         while (end < ax->n && !is_mark(marks[(size_t)end * stride]))
             end++;
-        const double *run_f = f + (size_t)i * stride;
-        double *run_e = e + (size_t)i * stride;
-        if (ax->kind == AXIS_CUBIC) {
-            cubic_slopes(end - i, run_f, run_e, stride, 1);
-        } else if (ax->kind == AXIS_SPLINE) {
-            spline_slopes(ax->pivot, end - i, run_f, run_e, stride, 1);
-        } else {
-            for (int k = i; k < end; k++)
-                e[(size_t)k * stride] = 0.0;
-        }
+        fill_slopes(ax, end - i, f + (size_t)i * stride, e + (size_t)i * stride, stride, 1);
         i = end;
     }
 }

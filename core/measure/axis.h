@@ -15,6 +15,8 @@
  * stamp, and interpolation adds no jump to what the DFT sees. */
 #pragma once
 
+#include "base/arena.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -39,9 +41,8 @@ typedef struct axis {
     double *pivot;      /* [n] elimination factors of the natural spline */
 } axis;
 
-/* Make the tables. Return false if out of memory; axis_deinit is safe then, too. */
-bool axis_init(axis *ax, enum axis_kind kind, int n, int s);
-void axis_deinit(axis *ax);
+/* Place the tables, and fill them unless the arena only counts. */
+void axis_place(axis *ax, enum axis_kind kind, int n, int s, arena *a);
 
 /* Fill e for `lanes` lines at once: point i of line l is f[i * stride + l]. No point may be
  * -INFINITY. For a linear axis e is 0. */

@@ -6,7 +6,7 @@
 
 #include <assert.h>
 #include <math.h>
-#include <stdlib.h>
+#include <stdbool.h>
 #include <string.h>
 
 static const double zero_below = 1e-16; /* below the rounding of what it multiplies */
@@ -23,36 +23,20 @@ static int strips(const filter_map *m) {
     return (m->nx * m->s + FFT_LANES - 1) / FFT_LANES;
 }
 
-bool filter_map_init(filter_map *m, int nx, int ny, int s) {
+void filter_map_place(filter_map *m, int nx, int ny, int s, arena *a) {
     const size_t rows = (size_t)ny * (size_t)s;
     *m = (filter_map){.nx = nx, .ny = ny, .s = s, .core_px = NAN, .width_px = NAN};
-    m->value = malloc(rows * (size_t)nx * (size_t)s * sizeof *m->value);
-    m->x0 = malloc(rows * sizeof *m->x0);
-    m->x1 = malloc(rows * sizeof *m->x1);
-    m->dx2 = fft_alloc(fft_padded(nx * s) * sizeof *m->dx2);
-    m->row = fft_alloc(fft_padded(nx * s) * sizeof *m->row);
-    m->strip_y0 = malloc((size_t)strips(m) * sizeof *m->strip_y0);
-    m->strip_y1 = malloc((size_t)strips(m) * sizeof *m->strip_y1);
-    if (m->value == NULL || m->x0 == NULL || m->x1 == NULL || m->dx2 == NULL || m->row == NULL ||
-        m->strip_y0 == NULL || m->strip_y1 == NULL) {
-        return false;
-    }
-    for (int i = 0; i < (int)fft_padded(nx * s); i++) {
+    m->value = arena_doubles(a, rows * (size_t)nx * (size_t)s);
+    m->x0 = arena_take(a, rows * sizeof *m->x0);
+    m->x1 = arena_take(a, rows * sizeof *m->x1);
+    m->dx2 = arena_doubles(a, fft_padded(nx * s));
+    m->row = arena_doubles(a, fft_padded(nx * s));
+    m->strip_y0 = arena_take(a, (size_t)strips(m) * sizeof *m->strip_y0);
+    m->strip_y1 = arena_take(a, (size_t)strips(m) * sizeof *m->strip_y1);
+    for (int i = 0; a->memory != NULL && i < (int)fft_padded(nx * s); i++) {
         const double dx = from_centre(i < nx * s ? i : 0, nx, s);
         m->dx2[i] = dx * dx;
     }
-    return true;
-}
-
-void filter_map_deinit(filter_map *m) {
-    free(m->value);
-    free(m->x0);
-    free(m->x1);
-    fft_free(m->dx2);
-    fft_free(m->row);
-    free(m->strip_y0);
-    free(m->strip_y1);
-    *m = (filter_map){0};
 }
 
 /* Compute the row at dy^2 from the centre, `padded` points of it: whole vectors, so that points at
@@ -145,6 +129,22 @@ void filter_map_fill(filter_map *m, double core_px, double width_px) {
     for (int i = 0; i < strips(m); i++)
         bound_strip(m, i);
     m->sum = sum_of(m->value, (size_t)m->nx * (size_t)m->s * (size_t)m->ny * (size_t)m->s);
+}
+
+void filter_pair_place(filter_pair *f, int nx, int ny, int s, arena *a) {
+    filter_map_place(&f->fine, nx, ny, s, a);
+    if (s > 1)
+        filter_map_place(&f->coarse, nx, ny, 1, a);
+}
+
+void filter_pair_fill(filter_pair *f, double core_px, double width_px) {
+    filter_map_fill(&f->fine, core_px, width_px);
+    if (f->fine.s > 1)
+        filter_map_fill(&f->coarse, core_px, width_px);
+}
+
+const filter_map *filter_pair_pixels(const filter_pair *f) {
+    return f->fine.s > 1 ? &f->coarse : &f->fine;
 }
 
 double filter_edge_core(int nx, int ny, double width_px) {

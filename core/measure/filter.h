@@ -2,8 +2,7 @@
 /* measure/filter.h: the border filter of Zhang (2010), section 4.2, on a grid. */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "base/arena.h"
 
 /* The filter sampled on n s points per side, centred periodically on the stamp's centre ((n-1)/2,
  * in pixels), with the ranges where it is not zero. Values below 1e-16 are set to zero. */
@@ -20,12 +19,21 @@ typedef struct filter_map {
     double sum;               /* of all values */
 } filter_map;
 
-bool filter_map_init(filter_map *m, int nx, int ny, int s); /* false if out of memory */
-void filter_map_deinit(filter_map *m);
+void filter_map_place(filter_map *m, int nx, int ny, int s, arena *a);
 
 /* Fill the map: 1 for r <= core, exp(-((r-core)/width)^2 / 2) beyond. Does nothing if the map
  * already holds this filter. */
 void filter_map_fill(filter_map *m, double core_px, double width_px);
+
+/* A filter on the fine grid and on the pixels, unless that is the same grid. */
+typedef struct filter_pair {
+    filter_map fine, coarse;
+} filter_pair;
+
+void filter_pair_place(filter_pair *f, int nx, int ny, int s, arena *a);
+void filter_pair_fill(filter_pair *f, double core_px, double width_px);
+/* Return the filter on the pixels. */
+const filter_map *filter_pair_pixels(const filter_pair *f);
 
 /* Return the core of filter=edge: the filter has fallen to 1e-3 at the nearest edge,
  * (min(nx,ny)-1)/2 from the centre. May be negative. */

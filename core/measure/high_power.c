@@ -6,7 +6,6 @@
 
 #include <assert.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 enum { MODES = 2000 }; /* as many as 64 x 64 px have: a stamp's level to 3 % */
 
@@ -16,18 +15,9 @@ static bool beyond(int64_t jx, int64_t jy, int64_t nx, int64_t ny, int64_t quart
     return 64 * (jx * jx * ny * ny + jy * jy * nx * nx) >= quarters * quarters * nx * nx * ny * ny;
 }
 
-static size_t table_doubles(const high_band *b) {
-    return (size_t)b->nx * b->stride;
-}
-
 /* Return the number of rows that count: jy < ny/2. */
 static int rows_of(int ny) {
     return (ny + 1) / 2;
-}
-
-size_t high_band_bytes(int nx, int ny, bool corners_only) {
-    const size_t table = (size_t)nx * fft_padded(rows_of(ny)) * sizeof(double);
-    return corners_only ? table : 2 * table;
 }
 
 /* Enter mode (jx, jy) into the tables, and its group's first jx. Column jx = nx/2 is left out like
@@ -48,7 +38,7 @@ static void count_mode(high_band *b, int x, int jy) {
     } else {
         return;
     }
-    *first = jx < *first ? jx : *first; // NOLINT(clang-analyzer-core.*): high_band_init sets it
+    *first = jx < *first ? jx : *first; // NOLINT(clang-analyzer-core.*): high_band_place sets it
 }
 
 static void count_group(high_band *b, int group) {
@@ -60,28 +50,20 @@ static void count_group(high_band *b, int group) {
     }
 }
 
-bool high_band_init(high_band *b, int nx, int ny, bool corners_only) {
+void high_band_place(high_band *b, int nx, int ny, bool corners_only, arena *a) {
     const int rows = rows_of(ny);
     *b = (high_band){
         .nx = nx, .ny = ny, .last_group = (rows - 1) / FFT_LANES, .stride = fft_padded(rows)};
-    b->first_jx = malloc(((size_t)b->last_group + 1) * sizeof *b->first_jx);
-    b->corner = fft_zeros(table_doubles(b));
-    b->edge = corners_only ? NULL : fft_zeros(table_doubles(b));
-    if (b->first_jx == NULL || b->corner == NULL || (b->edge == NULL && !corners_only))
-        return false;
+    b->first_jx = arena_take(a, ((size_t)b->last_group + 1) * sizeof *b->first_jx);
+    b->corner = arena_doubles(a, (size_t)nx * b->stride);
+    b->edge = corners_only ? NULL : arena_doubles(a, (size_t)nx * b->stride);
+    if (a->memory == NULL)
+        return;
     for (int group = 0; group <= b->last_group; group++)
         b->first_jx[group] = nx / 2 + 1;
     count_group(b, b->last_group);
     for (int group = 0; group < b->last_group && b->n_edge + b->n_corner < MODES; group++)
         count_group(b, group);
-    return true;
-}
-
-void high_band_deinit(high_band *b) {
-    free(b->first_jx);
-    fft_free(b->edge);
-    fft_free(b->corner);
-    *b = (high_band){0};
 }
 
 /* Running sums; lane l holds row l of the group. */

@@ -33,12 +33,11 @@ typedef struct high_power {
     double edge_galaxy, edge_noise, corner_galaxy, corner_noise;
 } high_power;
 
-/* Return false if out of memory; high_band_deinit is safe then, too, and on an all-zero band. */
-bool high_band_init(high_band *b, int nx, int ny, bool corners_only);
-void high_band_deinit(high_band *b);
-size_t high_band_bytes(int nx, int ny, bool corners_only);
+/* Place the tables, and fill them unless the arena only counts. */
+void high_band_place(high_band *b, int nx, int ny, bool corners_only, arena *a);
+/* Return false for an all-zero band. */
 static inline bool high_band_is_set(const high_band *b) {
-    return b->corner != NULL;
+    return b->nx > 0;
 }
 
 /* Return whether any mode of a group counts. */

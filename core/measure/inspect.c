@@ -49,16 +49,17 @@ static void copy_image(const shear_plan *plan, shear_workspace *ws, surface *s, 
 
 /* Copy the fine images. A noise stamp that is not corrected for may be negative under a log method;
  * then its image is NaN. */
-static void copy_images(const shear_plan *plan, shear_workspace *ws, bool has_noise,
-                        const filter_map *filter, shear_inspection *out) {
+static void copy_images(const stamp_pair *s, bool has_noise, shear_inspection *out) {
+    const shear_plan *plan = s->plan;
+    shear_workspace *ws = s->ws;
     const size_t points = (size_t)out->fine_nx * (size_t)out->fine_ny;
     copy_image(plan, ws, &ws->galaxy, out->galaxy_fine);
     if (has_noise)
         copy_image(plan, ws, &ws->noise, out->noise_fine);
     for (size_t i = 0; i < points; i++) {
         out->noise_fine[i] = has_noise ? out->noise_fine[i] : NAN;
-        out->galaxy_filtered[i] = filter != NULL
-                                      ? filter->value[i] * (out->galaxy_fine[i] - ws->level)
+        out->galaxy_filtered[i] = s->filter != NULL
+                                      ? s->filter->fine.value[i] * (out->galaxy_fine[i] - ws->level)
                                       : out->galaxy_fine[i];
     }
 }
@@ -106,24 +107,17 @@ static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const tran
 }
 
 /* Fill *out for a pair that has been measured without a flag. */
-static void fill(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                 shear_inspection *out) {
-    const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
-    const double *galaxy = stamps->galaxy + (size_t)i * pixels;
-    const double *noise = stamps->noise + (size_t)(i * noise_planes(stamps)) * pixels;
-    const filter_map *fine = NULL;
-    const filter_map *coarse = NULL;
+static void fill(stamp_pair *s, shear_inspection *out) {
     uint32_t flags = 0;
-    pack_failure failure;
-    photometry ph;
-    measure_choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
-    const transfer *t = measure_choose_transfer(plan, ws, stamps, i, &flags);
-    assert(flags == 0 && t != NULL);
+    measure_choose_filter(s, &flags);
+    measure_choose_transfer(s, &flags);
+    assert(flags == 0 && s->transfer != NULL);
     int bad;
-    const bool has_noise = surface_load(&ws->noise, &plan->grid, noise, &bad, &bad);
-    pack_pair(plan, ws, fine, galaxy, noise, false, t, &ph, &failure);
-    copy_images(plan, ws, has_noise, fine, out);
-    copy_spectra(plan, ws, t, out);
+    const bool has_noise = surface_load(&s->ws->noise, &s->plan->grid, s->noise, &bad, &bad);
+    pack_pair(s->plan, s->ws, s->filter, s->galaxy, s->noise, false, s->transfer, &s->ph,
+              &s->failure);
+    copy_images(s, has_noise, out);
+    copy_spectra(s->plan, s->ws, s->transfer, out);
 }
 
 int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
@@ -145,6 +139,7 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
         shear_inspection_deinit(out);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an inspection");
     }
-    fill(plan, ws, stamps, i, out);
+    stamp_pair s = measure_pair_at(plan, ws, stamps, i);
+    fill(&s, out);
     return SHEAR_OK;
 }

@@ -21,13 +21,13 @@ struct shear_plan {
     transfer_plan transfer_plan;
     bool has_psf; /* `transfer` serves all stamps */
     transfer transfer;
-    bool filtered;           /* info.filter is not NONE */
-    filter_map fine, coarse; /* the filter on both grids, unless it differs from stamp to stamp;
-                                coarse only if it is another grid */
-    high_band high;          /* the modes of the noise level */
-    plateau plateau;         /* if shot_noise is PLATEAU */
-    moments flat;            /* moments of a flat power of 1 under `transfer` */
-    sharpness sharpness;     /* of the field's one PSF, if there is one */
+    filter_pair filter;  /* if there is one, and it does not differ from stamp to stamp */
+    high_band high;      /* the modes of the noise level */
+    plateau plateau;     /* if shot_noise is PLATEAU */
+    moments flat;        /* moments of a flat power of 1 under `transfer` */
+    sharpness sharpness; /* of the field's one PSF, if there is one */
+    void *memory;        /* of all tables, */
+    size_t bytes;        /* so many */
 };
 
 /* Return the settings of the request, or the defaults. */
@@ -38,14 +38,15 @@ int plan_resolve(shear_plan_info *info, const shear_settings *set,
                  const shear_plan_request *request, int *psf_factor, shear_error *err);
 
 struct shear_workspace {
+    void *memory; /* of all arrays */
     surface galaxy, noise;
     fft_lanes strip;    /* [fine_ny + 1][FFT_LANES] galaxy + i noise, a strip of columns */
     fft_lanes lanes[3]; /* [longer side + 1][FFT_LANES] for transforms */
     double level,
-        noise_level;  /* subtracted from galaxy and noise stamp before the filter; 0: nothing */
-    double *modes;    /* the pair, transformed along y: see pack.c */
-    size_t lane_size; /* size of one part of `modes` */
-    filter_map fine, coarse;      /* if the filter differs from stamp to stamp */
+        noise_level;    /* subtracted from galaxy and noise stamp before the filter; 0: nothing */
+    double *modes;      /* the pair, transformed along y: see pack.c */
+    size_t lane_size;   /* size of one part of `modes` */
+    filter_pair filter; /* if it differs from stamp to stamp */
     transfer_scratch psf_scratch; /* if each stamp has its own PSF */
     transfer transfer;
     double strip_most[SHEAR_MAX_SIDE /
@@ -66,7 +67,7 @@ typedef struct pack_failure {
     int x, y;
     bool in_noise;
 } pack_failure;
-bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
+bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_pair *filters,
                const double *galaxy, const double *noise, bool own_levels, const transfer *t,
                photometry *ph, pack_failure *failure);
 /* Transform one of these groups along x, too. The rows are valid until the next call. */
@@ -76,17 +77,26 @@ mode_rows pack_transform_rows(const shear_plan *plan, shear_workspace *ws, int g
 int mode_groups_last(const shear_plan *plan, const transfer *t);
 bool mode_groups_want(const shear_plan *plan, const transfer *t, int group);
 
-/* Make both maps, empty; coarse only if it is another grid. Return false if out of memory. */
-bool plan_init_filters(filter_map *fine, filter_map *coarse, const shear_plan_info *info);
-/* Return the number of noise stamps per galaxy. */
-static inline int noise_planes(const shear_stamps *stamps) {
-    return stamps->noise_planes > 1 ? stamps->noise_planes : 1;
-}
+/* A stamp pair while it is measured. */
+typedef struct stamp_pair {
+    const shear_plan *plan;
+    shear_workspace *ws;
+    const shear_stamps *stamps;
+    int i; /* its number among these */
+    const double *galaxy, *noise;
+    size_t pixels;             /* of a stamp */
+    int planes;                /* noise stamps */
+    const filter_pair *filter; /* NULL: none */
+    const transfer *transfer;  /* NULL: none, or the row is flagged already */
+    photometry ph;
+    bool packed;
+    bool noisy; /* one of its noise stamps varies by more than rounding */
+    pack_failure failure;
+} stamp_pair;
 
-/* Choose the filter and the transfer of stamp i. A NULL filter means none. If one cannot be made,
- * set the reason in *flags. */
-void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
-                           int i, const filter_map **fine, const filter_map **coarse,
-                           uint32_t *flags);
-const transfer *measure_choose_transfer(const shear_plan *plan, shear_workspace *ws,
-                                        const shear_stamps *stamps, int i, uint32_t *flags);
+/* Begin with pair i: no filter and no transfer yet. */
+stamp_pair measure_pair_at(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
+                           int i);
+/* Choose the pair's filter or transfer. If one cannot be made, set the reason in *flags. */
+void measure_choose_filter(stamp_pair *s, uint32_t *flags);
+void measure_choose_transfer(stamp_pair *s, uint32_t *flags);

@@ -217,9 +217,10 @@ static void set_levels(shear_workspace *ws, const shear_geometry *g, const doubl
     }
 }
 
-bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
+bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_pair *filters,
                const double *galaxy, const double *noise, bool own_levels, const transfer *t,
                photometry *ph, pack_failure *failure) {
+    const filter_map *filter = filters != NULL ? &filters->fine : NULL;
     const shear_geometry *g = &plan->info.geometry;
     const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
     const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);

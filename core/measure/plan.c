@@ -3,7 +3,6 @@
 
 #include "base/cleanup.h"
 #include "common/release.h"
-#include "measure/memory.h"
 
 #include <stdlib.h>
 
@@ -11,7 +10,7 @@
  * 0. */
 static const double psf_rounding = 1e-4;
 
-static bool make_grids(shear_plan *plan, int psf_factor) {
+static void place_grids(shear_plan *plan, int psf_factor, arena *a) {
     const shear_plan_info *info = &plan->info;
     const shear_settings *set = &plan->settings;
     const shear_geometry *g = &info->geometry;
@@ -27,48 +26,52 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
                           .power_tolerance = set->power_tolerance};
     const enum shear_interpolation psf_method =
         psf_factor > 1 ? info->interpolation : SHEAR_INTERP_NONE;
-    const bool grid_made = surface_grid_init(&plan->grid, g->nx, g->ny, info->interpolation,
-                                             info->oversample, set->zeros, set->pedestal);
-    const bool psf_grid_made =
-        surface_grid_init(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0);
+    surface_grid_place(&plan->grid, g->nx, g->ny, info->interpolation, info->oversample, set->zeros,
+                       set->pedestal, a);
+    surface_grid_place(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0, a);
     tp->grid.rounding = psf_rounding;
-    const bool transfer_made = transfer_plan_init(tp);
-    plan->along_x = fft_plan_new(info->fine_nx);
-    plan->along_y = fft_plan_new(info->fine_ny);
-    return grid_made && psf_grid_made && transfer_made && plan->along_x != NULL &&
-           plan->along_y != NULL;
+    transfer_plan_place(tp, a);
+    if (plan->has_psf)
+        transfer_place(&plan->transfer, tp, a);
 }
 
-bool plan_init_filters(filter_map *fine, filter_map *coarse, const shear_plan_info *info) {
-    const shear_geometry *g = &info->geometry;
-    return filter_map_init(fine, g->nx, g->ny, info->oversample) &&
-           (info->oversample == 1 || filter_map_init(coarse, g->nx, g->ny, 1));
-}
-
-static bool make_filter(shear_plan *plan) {
+static void place_filter(shear_plan *plan, arena *a) {
     const shear_plan_info *info = &plan->info;
-    plan->filtered = info->filter != SHEAR_FILTER_NONE;
-    if (!plan->filtered || info->filter_per_stamp)
-        return true;
-    if (!plan_init_filters(&plan->fine, &plan->coarse, info))
-        return false;
-    filter_map_fill(&plan->fine, info->core_px, info->width_px);
-    if (info->oversample > 1)
-        filter_map_fill(&plan->coarse, info->core_px, info->width_px);
-    return true;
+    if (info->filter == SHEAR_FILTER_NONE || info->filter_per_stamp)
+        return;
+    filter_pair_place(&plan->filter, info->geometry.nx, info->geometry.ny, info->oversample, a);
+    if (a->memory != NULL)
+        filter_pair_fill(&plan->filter, info->core_px, info->width_px);
 }
 
-static bool make_high_band(shear_plan *plan) {
+/* Place the plan's tables, and fill all but the transfer unless the arena only counts. */
+static void place(shear_plan *plan, int psf_factor, arena *a) {
     const shear_geometry *g = &plan->info.geometry;
     const enum shear_noise_band band = plan->info.noise_band;
-    return band == SHEAR_NOISE_BAND_NONE ||
-           high_band_init(&plan->high, g->nx, g->ny, band == SHEAR_NOISE_BAND_CORNERS);
+    place_grids(plan, psf_factor, a);
+    place_filter(plan, a);
+    if (band != SHEAR_NOISE_BAND_NONE)
+        high_band_place(&plan->high, g->nx, g->ny, band == SHEAR_NOISE_BAND_CORNERS, a);
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU)
+        plateau_place(&plan->plateau, g->nx, g->ny, a);
+    plan->bytes = a->used;
 }
 
-static bool make_plateau(shear_plan *plan) {
-    const shear_geometry *g = &plan->info.geometry;
-    return plan->settings.shot_noise != SHEAR_SHOT_PLATEAU ||
-           plateau_init(&plan->plateau, g->nx, g->ny);
+/* Return false if out of memory. */
+static bool make_tables(shear_plan *plan, int psf_factor) {
+    arena a = {0};
+    place(plan, psf_factor, &a);
+    plan->memory = arena_allocate(&a);
+    if (plan->memory == NULL)
+        return false;
+    place(plan, psf_factor, &a);
+    transfer_plan *tp = &plan->transfer_plan;
+    plan->along_x = fft_plan_new(plan->info.fine_nx);
+    plan->along_y = fft_plan_new(plan->info.fine_ny);
+    tp->along_x = fft_plan_new(tp->period_nx);
+    tp->along_y = fft_plan_new(tp->period_ny);
+    return plan->along_x != NULL && plan->along_y != NULL && tp->along_x != NULL &&
+           tp->along_y != NULL;
 }
 
 static int out_of_memory(shear_error *err) {
@@ -78,13 +81,14 @@ static int out_of_memory(shear_error *err) {
 /* Make the field's one transfer, with temporary scratch. */
 static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) {
     const shear_geometry *g = &plan->info.geometry;
-    CLEANUP(transfer_scratch_deinit) transfer_scratch scratch = {0};
-    if (!transfer_init(&plan->transfer, &plan->transfer_plan) ||
-        !transfer_scratch_init(&scratch, &plan->transfer_plan)) {
+    transfer_scratch scratch;
+    arena a = {0};
+    transfer_scratch_place(&scratch, &plan->transfer_plan, &a);
+    CLEANUP(release_free) void *memory = arena_allocate(&a);
+    if (memory == NULL)
         return out_of_memory(err);
-    }
+    transfer_scratch_place(&scratch, &plan->transfer_plan, &a);
     TRY(transfer_make(&plan->transfer, &plan->transfer_plan, &scratch, psf, err));
-    plan->has_psf = true;
     plan->info.k_cut = plan->transfer.k_cut;
     plan->flat = moments_of_flat(&plan->transfer_plan, &plan->transfer);
     plan->sharpness = sharpness_of(psf, g->psf_nx, g->psf_ny, g->psf_oversample);
@@ -104,18 +108,22 @@ static int check_limit(shear_plan *plan, shear_error *err) {
     return SHEAR_OK;
 }
 
+/* Resolve the request. */
+static int begin(shear_plan *plan, const shear_plan_request *request, int *psf_factor,
+                 shear_error *err) {
+    *plan = (shear_plan){.settings = plan_settings(request), .has_psf = request->psf != NULL};
+    return plan_resolve(&plan->info, &plan->settings, request, psf_factor, err);
+}
+
 int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_error *err) {
     *out = NULL;
     CLEANUP(shear_plan_release) shear_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL)
         return out_of_memory(err);
-    plan->settings = plan_settings(request);
     int psf_factor = 1;
-    TRY(plan_resolve(&plan->info, &plan->settings, request, &psf_factor, err));
-    if (!make_grids(plan, psf_factor) || !make_filter(plan) || !make_high_band(plan) ||
-        !make_plateau(plan)) {
+    TRY(begin(plan, request, &psf_factor, err));
+    if (!make_tables(plan, psf_factor))
         return out_of_memory(err);
-    }
     TRY(request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
     *out = CLEANUP_TAKE(plan);
@@ -123,46 +131,36 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
 }
 
 int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, shear_error *err) {
-    const shear_settings settings = plan_settings(request);
-    shear_plan_info info = {0};
+    shear_plan plan;
     int psf_factor = 1;
-    const int code = plan_resolve(&info, &settings, request, &psf_factor, err);
-    const memory_of m = {.settings = &settings, .info = &info, .has_psf = request->psf != NULL};
     *memory = (shear_memory){0};
-    if (code != SHEAR_OK)
-        return code;
-    memory->plan = memory_of_plan(&m);
-    memory->planning = memory_of_planning(&m);
-    memory->workspace = memory_of_workspace(&m, memory_last_row(&info));
+    TRY(begin(&plan, request, &psf_factor, err));
+    transfer_scratch scratch;
+    arena of_plan = {0};
+    arena of_planning = {0};
+    place(&plan, psf_factor, &of_plan);
+    transfer_scratch_place(&scratch, &plan.transfer_plan, &of_planning);
+    *memory = (shear_memory){.plan = shear_plan_bytes(&plan),
+                             .planning = plan.has_psf ? (int64_t)of_planning.used : 0,
+                             .workspace = shear_workspace_bytes(&plan)};
     return SHEAR_OK;
 }
 
-static memory_of memory_of_made(const shear_plan *plan) {
-    return (memory_of){.settings = &plan->settings, .info = &plan->info, .has_psf = plan->has_psf};
-}
-
 int64_t shear_plan_bytes(const shear_plan *plan) {
-    const memory_of m = memory_of_made(plan);
-    return memory_of_plan(&m);
-}
-
-int64_t shear_workspace_bytes(const shear_plan *plan) {
-    const memory_of m = memory_of_made(plan);
-    return memory_of_workspace(&m, plan->has_psf ? plan->transfer.jy : plan->transfer_plan.max_jy);
+    const transfer_plan *tp = &plan->transfer_plan;
+    return (int64_t)(sizeof *plan + plan->bytes + fft_plan_bytes(plan->info.fine_nx) +
+                     fft_plan_bytes(plan->info.fine_ny) + fft_plan_bytes(tp->period_nx) +
+                     fft_plan_bytes(tp->period_ny));
 }
 
 void shear_plan_free(shear_plan *plan) {
     if (plan == NULL)
         return;
-    surface_grid_deinit(&plan->grid);
     fft_plan_free(plan->along_x);
     fft_plan_free(plan->along_y);
-    transfer_plan_deinit(&plan->transfer_plan);
-    transfer_deinit(&plan->transfer);
-    filter_map_deinit(&plan->fine);
-    filter_map_deinit(&plan->coarse);
-    high_band_deinit(&plan->high);
-    plateau_deinit(&plan->plateau);
+    fft_plan_free(plan->transfer_plan.along_x);
+    fft_plan_free(plan->transfer_plan.along_y);
+    free(plan->memory);
     free(plan);
 }
 

@@ -5,8 +5,8 @@
 #include "fft/fft.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stdint.h>
-#include <string.h>
 
 /* (jx/nx)^2 + (jy/ny)^2 > (3/8)^2, in integers, so that rounding does not decide which modes
  * count. */
@@ -19,14 +19,13 @@ static double images(int jy, int ny) {
     return jy == 0 || 2 * jy == ny ? 1.0 : 2.0;
 }
 
-bool plateau_init(plateau *p, int nx, int ny) {
+void plateau_place(plateau *p, int nx, int ny, arena *a) {
     *p = (plateau){
         .nx = nx, .ny = ny, .last_group = ny / 2 / FFT_LANES, .stride = fft_padded(ny / 2 + 1)};
     const size_t size = (size_t)nx * p->stride;
-    p->share = fft_alloc(size * sizeof *p->share);
-    if (p->share == NULL)
-        return false;
-    memset(p->share, 0, size * sizeof *p->share);
+    p->share = arena_doubles(a, size);
+    if (a->memory == NULL)
+        return;
     for (int x = 0; x < nx; x++) {
         for (int jy = 0; jy <= ny / 2; jy++) {
             const double counts =
@@ -37,12 +36,6 @@ bool plateau_init(plateau *p, int nx, int ny) {
     }
     for (size_t i = 0; i < size; i++)
         p->share[i] /= p->n;
-    return true;
-}
-
-void plateau_deinit(plateau *p) {
-    fft_free(p->share);
-    *p = (plateau){0};
 }
 
 SHEAR_SIMD static void sum_rows(const mode_rows *r, const double *share, size_t stride,

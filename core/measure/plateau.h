@@ -7,7 +7,6 @@
 
 #include "measure/moments.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 
 /* The share of each mode in the mean: 1/n, 2/n if it stands for its mirror image, too, or 0. */
@@ -19,9 +18,8 @@ typedef struct plateau {
     double n;      /* number of modes of the whole plane that count */
 } plateau;
 
-bool plateau_init(plateau *p, int nx,
-                  int ny); /* false if out of memory; plateau_deinit is safe then, too */
-void plateau_deinit(plateau *p);
+/* Place the shares, and fill them unless the arena only counts. */
+void plateau_place(plateau *p, int nx, int ny, arena *a);
 
 /* Return the part of the mean that the rows of one group hold; groups are 0 .. last_group. */
 double plateau_part(const plateau *p, const mode_rows *rows);

@@ -11,6 +11,8 @@
  * with the filtered A' and B'. Factors that do not depend on the filter cancel. */
 #include "measure/radial.h"
 
+#include "base/arena.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -19,12 +21,19 @@
 /* Modes beyond this many scales of the target over the PSF have negligible weight. */
 static const double last_scale = 5.0;
 
-static double *column(int n) {
-    return malloc((size_t)n * sizeof(double));
-}
-
-static double *table(const radial *q) {
-    return malloc((size_t)q->n_k * (size_t)q->n_r * sizeof(double));
+static void place(radial *q, arena *a) {
+    const size_t n_r = (size_t)q->n_r;
+    const size_t n_k = (size_t)q->n_k;
+    q->r = arena_doubles(a, n_r);
+    q->profile = arena_doubles(a, n_r);
+    q->lensed = arena_doubles(a, n_r);
+    q->filtered = arena_doubles(a, n_r);
+    q->changed = arena_doubles(a, n_r);
+    q->k = arena_doubles(a, n_k);
+    q->target = arena_doubles(a, n_k);
+    q->j0 = arena_doubles(a, n_k * n_r);
+    q->j1 = arena_doubles(a, n_k * n_r);
+    q->j2 = arena_doubles(a, n_k * n_r);
 }
 
 static void fill(radial *q, double step_k, double scale2) {
@@ -54,36 +63,18 @@ bool radial_init(radial *q, double r_max, double r_psf, double beta) {
                   .n_k = by_range > 64 ? by_range : 64,
                   .r_psf = r_psf,
                   .beta = beta};
-    q->r = column(q->n_r);
-    q->profile = column(q->n_r);
-    q->lensed = column(q->n_r);
-    q->filtered = column(q->n_r);
-    q->changed = column(q->n_r);
-    q->k = column(q->n_k);
-    q->target = column(q->n_k);
-    q->j0 = table(q);
-    q->j1 = table(q);
-    q->j2 = table(q);
-    if (q->r == NULL || q->profile == NULL || q->lensed == NULL || q->filtered == NULL ||
-        q->changed == NULL || q->k == NULL || q->target == NULL || q->j0 == NULL || q->j1 == NULL ||
-        q->j2 == NULL) {
+    arena a = {0};
+    place(q, &a);
+    q->memory = arena_allocate(&a);
+    if (q->memory == NULL)
         return false;
-    }
+    place(q, &a);
     fill(q, k_max / q->n_k, scale2);
     return true;
 }
 
 void radial_deinit(radial *q) {
-    free(q->r);
-    free(q->profile);
-    free(q->lensed);
-    free(q->filtered);
-    free(q->changed);
-    free(q->k);
-    free(q->target);
-    free(q->j0);
-    free(q->j1);
-    free(q->j2);
+    free(q->memory);
     *q = (radial){0};
 }
 

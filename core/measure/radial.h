@@ -12,6 +12,7 @@
 
 typedef struct radial {
     int n_r, n_k;
+    void *memory;         /* of all arrays */
     double *r, *k;        /* [n_r] px, [n_k] radians/px */
     double *j0, *j1, *j2; /* [n_k][n_r] Bessel functions of k r */
     double *target;       /* [n_k] k^3 |W_beta|^2 / |W|^2 */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/reach.h"
 
+#include "base/arena.h"
 #include "base/simd.h"
 #include "base/sort.h"
 #include "measure/radial.h"
@@ -39,30 +40,30 @@ static void measure_rings(reach *r) {
         r->radius[i] = r->pixels[i] > 0.0 ? r->radius[i] / r->pixels[i] : i + 0.5;
 }
 
+static void place(reach *r, arena *a) {
+    const size_t rings = (size_t)r->n_rings;
+    r->ring = arena_take(a, (size_t)r->nx * (size_t)r->ny * sizeof *r->ring);
+    r->pixels = arena_doubles(a, rings);
+    r->radius = arena_doubles(a, rings);
+    r->mean = arena_doubles(a, (size_t)r->capacity * rings);
+    r->sorted = arena_doubles(a, (size_t)r->capacity);
+    r->profile = arena_doubles(a, rings);
+}
+
 bool reach_init(reach *r, int nx, int ny, int capacity) {
     *r = (reach){.nx = nx, .ny = ny, .n_rings = (nx < ny ? nx : ny) / 2, .capacity = capacity};
-    const size_t rings = (size_t)r->n_rings;
-    r->ring = malloc((size_t)nx * (size_t)ny * sizeof *r->ring);
-    r->pixels = calloc(rings, sizeof *r->pixels);
-    r->radius = calloc(rings, sizeof *r->radius);
-    r->mean = malloc((size_t)capacity * rings * sizeof *r->mean);
-    r->sorted = malloc((size_t)capacity * sizeof *r->sorted);
-    r->profile = calloc(rings, sizeof *r->profile);
-    if (r->ring == NULL || r->pixels == NULL || r->radius == NULL || r->mean == NULL ||
-        r->sorted == NULL || r->profile == NULL) {
+    arena a = {0};
+    place(r, &a);
+    r->memory = arena_allocate(&a);
+    if (r->memory == NULL)
         return false;
-    }
+    place(r, &a);
     measure_rings(r);
     return true;
 }
 
 void reach_deinit(reach *r) {
-    free(r->ring);
-    free(r->pixels);
-    free(r->radius);
-    free(r->mean);
-    free(r->sorted);
-    free(r->profile);
+    free(r->memory);
     *r = (reach){0};
 }
 

@@ -10,6 +10,7 @@ typedef struct reach {
     int nx, ny;
     int n_rings;
     int capacity, count; /* stamps */
+    void *memory;        /* of all arrays */
     int *ring;           /* [ny][nx] the ring of each pixel; -1 beyond the last */
     double *pixels;      /* [n_rings] number of pixels */
     double *radius;      /* [n_rings] mean distance of its pixels, pixels */

@@ -3,7 +3,6 @@
 
 #include <assert.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Up to `few` stamps the curve has two terms, up to `many` three; beyond, each bin has its own
@@ -15,33 +14,16 @@ int scores_terms(double stamps) {
     return stamps < few ? 2 : stamps < many ? 3 : 0;
 }
 
-int scores_init(scores *s, int bins, shear_error *err) {
+void scores_place(scores *s, int bins, arena *a) {
     assert(bins >= 1);
     const size_t nb = (size_t)bins;
-    const size_t all = (SIGN_GROUPS + 1) * nb;
-    *s = (scores){.bins = bins};
-    double *doubles = malloc((4 * all - 2 * nb) * sizeof *doubles);
-    int64_t *counts = malloc(4 * SIGN_GROUPS * nb * sizeof *counts);
-    if (doubles == NULL || counts == NULL) {
-        free(doubles);
-        free(counts);
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d bins", bins);
-    }
-    s->all = doubles;
-    s->without = doubles + nb;
-    s->fall = doubles + all;
-    s->size = doubles + 2 * all;
-    for (size_t k = 0; k < 2; k++) {
-        s->at[k] = (sign_counts){.difference = counts + 2 * k * SIGN_GROUPS * nb,
-                                 .square = counts + (2 * k + 1) * SIGN_GROUPS * nb};
-    }
-    return SHEAR_OK;
-}
-
-void scores_deinit(scores *s) {
-    free(s->all);
-    free(s->at[0].difference);
-    *s = (scores){0};
+    *s = (scores){.bins = bins,
+                  .all = arena_doubles(a, nb),
+                  .without = arena_doubles(a, SIGN_GROUPS * nb),
+                  .fall = arena_doubles(a, (SIGN_GROUPS + 1) * nb),
+                  .size = arena_doubles(a, (SIGN_GROUPS + 1) * nb)};
+    for (int k = 0; k < 2; k++)
+        sign_counts_place(&s->at[k], bins, a);
 }
 
 /* Fill in the powers t .. t^n of a bin's place. */
@@ -113,8 +95,8 @@ static void set_scores(const scores *s, const double *fall, const double *size, 
 static void set_responses(scores *s, const sign_histogram *h, double g, double width) {
     const size_t nb = (size_t)s->bins;
     const size_t all = SIGN_GROUPS * nb;
-    sign_histogram_count_groups(h, g - width, &s->at[0]);
-    sign_histogram_count_groups(h, g + width, &s->at[1]);
+    sign_histogram_count(h, g - width, &s->at[0]);
+    sign_histogram_count(h, g + width, &s->at[1]);
     memset(s->fall + all, 0, nb * sizeof *s->fall);
     memset(s->size + all, 0, nb * sizeof *s->size);
     for (size_t i = 0; i < all; i++) {
@@ -142,8 +124,8 @@ void scores_fit(scores *s, const sign_histogram *h, double g, double width) {
 double scores_slope(scores *s, const sign_histogram *h, double g, double half) {
     const size_t all = SIGN_GROUPS * (size_t)s->bins;
     double sum = 0.0;
-    sign_histogram_count_groups(h, g - half, &s->at[0]);
-    sign_histogram_count_groups(h, g + half, &s->at[1]);
+    sign_histogram_count(h, g - half, &s->at[0]);
+    sign_histogram_count(h, g + half, &s->at[1]);
     for (size_t i = 0; i < all; i++)
         sum += s->without[i] * (double)(s->at[0].difference[i] - s->at[1].difference[i]);
     return sum / (2.0 * half);

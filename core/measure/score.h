@@ -17,8 +17,6 @@
 
 #include "measure/sign_histogram.h"
 
-#include "shear/error.h"
-
 enum { SCORE_TERMS = 3 };
 
 typedef struct scores {
@@ -33,9 +31,7 @@ typedef struct scores {
 /* Return the number of terms for so many stamps; with weights, for (sum w)^2 / sum w^2 stamps. */
 int scores_terms(double stamps);
 
-/* Allocate; terms = 0. SHEAR_E_NOMEM; scores_deinit frees what there is. */
-int scores_init(scores *s, int bins, shear_error *err);
-void scores_deinit(scores *s);
+void scores_place(scores *s, int bins, arena *a);
 
 /* Fit the scores to the responses over g -+ width; `h` has its edges and groups. */
 void scores_fit(scores *s, const sign_histogram *h, double g, double width);

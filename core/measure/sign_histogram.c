@@ -24,16 +24,10 @@ int sign_histogram_bin(const sign_histogram *h, double size) {
     return bin;
 }
 
-void sign_histogram_count(const sign_histogram *h, double g, sign_counts *counts) {
-    memset(counts->difference, 0, (size_t)h->bins * sizeof *counts->difference);
-    memset(counts->square, 0, (size_t)h->bins * sizeof *counts->square);
-    for (size_t i = 0; i < h->n; i++) {
-        const int64_t w = h->weight[i];
-        const double value = h->x[i] - g * h->b[i];
-        const int bin = sign_histogram_bin(h, fabs(value));
-        counts->difference[bin] += w * side_of(value);
-        counts->square[bin] += w * w;
-    }
+void sign_counts_place(sign_counts *counts, int bins, arena *a) {
+    const size_t all = SIGN_GROUPS * (size_t)bins;
+    counts->difference = arena_take(a, all * sizeof *counts->difference);
+    counts->square = arena_take(a, all * sizeof *counts->square);
 }
 
 static uint64_t bits_of(double value) {
@@ -50,7 +44,7 @@ uint8_t sign_histogram_group(double first, double second) {
     return (uint8_t)((z ^ (z >> 31)) % SIGN_GROUPS);
 }
 
-void sign_histogram_count_groups(const sign_histogram *h, double g, sign_counts *counts) {
+void sign_histogram_count(const sign_histogram *h, double g, sign_counts *counts) {
     const size_t all = SIGN_GROUPS * (size_t)h->bins;
     memset(counts->difference, 0, all * sizeof *counts->difference);
     memset(counts->square, 0, all * sizeof *counts->square);

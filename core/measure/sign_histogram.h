@@ -6,6 +6,8 @@
  * and n_i + n_-i. All counts are integers, so that nothing depends on the order of stamps. */
 #pragma once
 
+#include "base/arena.h"
+
 #include <stddef.h>
 #include <stdint.h>
 
@@ -15,20 +17,21 @@ typedef struct sign_histogram {
     size_t n;
     const double *x, *b;   /* [n] values, and their responses to g */
     const int32_t *weight; /* [n] integer weights, 0 .. SHEAR_SYMMETRY_WEIGHTS */
-    const uint8_t *group;  /* [n] 0 .. SIGN_GROUPS-1; for sign_histogram_count_groups only */
+    const uint8_t *group;  /* [n] 0 .. SIGN_GROUPS-1; for sign_histogram_count only */
     int bins;
     const double *edge; /* [bins] lower edge of bin i of |value|; edge[0] = 0 */
 } sign_histogram;
 
-/* The counts at one g, [bins] each. A value of exactly 0 counts on neither side. */
+/* The counts of each group at one g, [SIGN_GROUPS][bins] each. A value of exactly 0 counts on
+ * neither side. */
 typedef struct sign_counts {
     int64_t *difference; /* sum of w on the positive side minus that on the negative side */
     int64_t *square;     /* sum of w^2 on both sides: the variance of the difference */
 } sign_counts;
 
+void sign_counts_place(sign_counts *counts, int bins, arena *a);
+
 void sign_histogram_count(const sign_histogram *h, double g, sign_counts *counts);
-/* The same for each group: [SIGN_GROUPS][bins]. */
-void sign_histogram_count_groups(const sign_histogram *h, double g, sign_counts *counts);
 
 /* Return a stamp's group: a hash of two of its terms, so that it does not depend on the stamp's
  * place. */

@@ -28,8 +28,8 @@ static enum axis_kind axis_kind_of(enum shear_interpolation interpolation) {
     }
 }
 
-bool surface_grid_init(surface_grid *g, int nx, int ny, enum shear_interpolation interpolation,
-                       int s, enum shear_zeros zeros, double pedestal) {
+void surface_grid_place(surface_grid *g, int nx, int ny, enum shear_interpolation interpolation,
+                        int s, enum shear_zeros zeros, double pedestal, arena *a) {
     const enum axis_kind kind = axis_kind_of(interpolation);
     *g = (surface_grid){.log = shear_interpolation_is_log(interpolation),
                         .zeros = zeros,
@@ -38,44 +38,24 @@ bool surface_grid_init(surface_grid *g, int nx, int ny, enum shear_interpolation
                         .fine_ny = ny * s,
                         .wide = fft_padded(nx),
                         .high = fft_padded(ny)};
-    const bool x_made = axis_init(&g->x, kind, nx, s);
-    const bool y_made = axis_init(&g->y, kind, ny, s);
-    return x_made && y_made;
-}
-
-void surface_grid_deinit(surface_grid *g) {
-    axis_deinit(&g->x);
-    axis_deinit(&g->y);
+    axis_place(&g->x, kind, nx, s, a);
+    axis_place(&g->y, kind, ny, s, a);
 }
 
 /* The arrays begin as zeros: slopes stay zero under the linear methods, and the padding always. */
-bool surface_init(surface *s, const surface_grid *g) {
+void surface_place(surface *s, const surface_grid *g, arena *a) {
     *s = (surface){0};
     if (g->x.kind == AXIS_NONE)
-        return true;
+        return;
     const size_t n = g->wide * g->high;
-    s->rows = fft_zeros(n);
-    s->row_slopes = fft_zeros(n);
-    s->f = fft_zeros(n);
-    s->fx = fft_zeros(n);
-    s->fy = fft_zeros(n);
-    s->fxy = fft_zeros(n);
-    s->strip_f = fft_zeros(g->high * FFT_LANES);
-    s->strip_fy = fft_zeros(g->high * FFT_LANES);
-    return s->rows != NULL && s->row_slopes != NULL && s->f != NULL && s->fx != NULL &&
-           s->fy != NULL && s->fxy != NULL && s->strip_f != NULL && s->strip_fy != NULL;
-}
-
-void surface_deinit(surface *s) {
-    fft_free(s->rows);
-    fft_free(s->row_slopes);
-    fft_free(s->f);
-    fft_free(s->fx);
-    fft_free(s->fy);
-    fft_free(s->fxy);
-    fft_free(s->strip_f);
-    fft_free(s->strip_fy);
-    *s = (surface){0};
+    s->rows = arena_doubles(a, n);
+    s->row_slopes = arena_doubles(a, n);
+    s->f = arena_doubles(a, n);
+    s->fx = arena_doubles(a, n);
+    s->fy = arena_doubles(a, n);
+    s->fxy = arena_doubles(a, n);
+    s->strip_f = arena_doubles(a, g->high * FFT_LANES);
+    s->strip_fy = arena_doubles(a, g->high * FFT_LANES);
 }
 
 SHEAR_SIMD static void extremes(const double *pixels, size_t n, double *low, double *high) {

@@ -21,11 +21,9 @@ typedef struct surface_grid {
     size_t wide, high; /* nx and ny, rounded up to whole groups of FFT_LANES */
 } surface_grid;
 
-/* Make the grid; interpolation is never AUTO. Return false if out of memory; surface_grid_deinit is
- * safe then, too. */
-bool surface_grid_init(surface_grid *g, int nx, int ny, enum shear_interpolation interpolation,
-                       int s, enum shear_zeros zeros, double pedestal);
-void surface_grid_deinit(surface_grid *g);
+/* Place the grid, as axis_place does; interpolation is never AUTO. */
+void surface_grid_place(surface_grid *g, int nx, int ny, enum shear_interpolation interpolation,
+                        int s, enum shear_zeros zeros, double pedestal, arena *a);
 
 typedef struct surface {
     const double *pixels;       /* [ny][nx] the loaded image; borrowed */
@@ -34,8 +32,7 @@ typedef struct surface {
     double *strip_f, *strip_fy; /* [high][FFT_LANES] a strip, fine along x, coarse along y */
     bool marked;                /* f holds marks: zero pixels under zeros=skip */
 } surface;
-bool surface_init(surface *s, const surface_grid *g);
-void surface_deinit(surface *s);
+void surface_place(surface *s, const surface_grid *g, arena *a);
 
 /* Load the pixels [ny][nx], which the caller keeps until the strips have been made. Return false if
  * a log method meets a negative number, at pixel (*bad_x, *bad_y). */

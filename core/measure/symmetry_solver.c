@@ -11,46 +11,35 @@ static const double scatter =
     0.3; /* fraction of the weight that changes sides within the range of the responses */
 static const double guess_tolerance = 1e-6;
 
-static bool allocate(symmetry_solver *v) {
+static void place(symmetry_solver *v, arena *a) {
     const size_t n = v->s->n;
-    const size_t bins = (size_t)v->bins;
-    v->x = malloc(n * sizeof *v->x);
-    v->b = malloc(n * sizeof *v->b);
-    v->scratch = malloc(n * sizeof *v->scratch);
-    v->weight = malloc(n * sizeof *v->weight);
-    v->group = malloc(n * sizeof *v->group);
-    v->at.difference = malloc(bins * sizeof *v->at.difference);
-    v->at.square = malloc(bins * sizeof *v->at.square);
-    bool made = v->x != NULL && v->b != NULL && v->scratch != NULL && v->weight != NULL &&
-                v->group != NULL && v->at.difference != NULL && v->at.square != NULL;
-    for (int c = 0; c < 2 && made; c++) {
-        solver_component *a = &v->components[c];
-        a->edge = malloc(bins * sizeof *a->edge);
-        made = a->edge != NULL && scores_init(&a->scores, v->bins, NULL) == SHEAR_OK;
+    v->x = arena_doubles(a, n);
+    v->b = arena_doubles(a, n);
+    v->scratch = arena_doubles(a, n);
+    v->weight = arena_take(a, n * sizeof *v->weight);
+    v->group = arena_take(a, n * sizeof *v->group);
+    sign_counts_place(&v->at, v->bins, a);
+    for (int c = 0; c < 2; c++) {
+        v->components[c].edge = arena_doubles(a, (size_t)v->bins);
+        scores_place(&v->components[c].scores, v->bins, a);
     }
-    return made;
 }
 
 int symmetry_solver_init(symmetry_solver *v, const shear_symmetry *s, int bins,
                          const noise_shape *shape, shear_error *err) {
     *v = (symmetry_solver){.s = s, .shape = *shape, .bins = bins};
-    return allocate(v) ? SHEAR_OK
-                       : shear_fail(err, SHEAR_E_NOMEM, NULL,
-                                    "out of memory to symmetrize %zu stamps", s->n);
+    arena a = {0};
+    place(v, &a);
+    v->memory = arena_allocate(&a);
+    if (v->memory == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory to symmetrize %zu stamps", s->n);
+    }
+    place(v, &a);
+    return SHEAR_OK;
 }
 
 void symmetry_solver_deinit(symmetry_solver *v) {
-    free(v->x);
-    free(v->b);
-    free(v->scratch);
-    free(v->weight);
-    free(v->group);
-    free(v->at.difference);
-    free(v->at.square);
-    for (int c = 0; c < 2; c++) {
-        free(v->components[c].edge);
-        scores_deinit(&v->components[c].scores);
-    }
+    free(v->memory);
     *v = (symmetry_solver){0};
 }
 
@@ -142,8 +131,14 @@ static double score_at(symmetry_solver *v, const solver_component *a, const sign
     *variance = 0.0;
     sign_histogram_count(h, g, &v->at);
     for (int i = 0; i < v->bins; i++) {
-        sum += score[i] * (double)v->at.difference[i];
-        *variance += score[i] * score[i] * (double)v->at.square[i];
+        int64_t difference = 0;
+        int64_t square = 0;
+        for (int at = i; at < SIGN_GROUPS * v->bins; at += v->bins) {
+            difference += v->at.difference[at];
+            square += v->at.square[at];
+        }
+        sum += score[i] * (double)difference;
+        *variance += score[i] * score[i] * (double)square;
     }
     return sum;
 }

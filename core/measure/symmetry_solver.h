@@ -41,7 +41,8 @@ typedef struct symmetry_solver {
     double *scratch; /* [n] */
     int32_t *weight; /* [n] */
     uint8_t *group;  /* [n] */
-    sign_counts at;  /* [bins] */
+    sign_counts at;  /* scratch */
+    void *memory;    /* of all arrays */
     solver_component components[2];
 } symmetry_solver;
 

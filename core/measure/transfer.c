@@ -7,7 +7,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <stdlib.h>
 
 /* Fill |W_beta|^2 on the modes, with the factor of both halves and that of integrals over the
  * plane. */
@@ -34,10 +33,10 @@ static int psf_fine(const axis *ax) {
     return ax->n * ax->s - (ax->s - 1);
 }
 
-bool transfer_plan_init(transfer_plan *p) {
-    p->k_limit = M_PI * (p->s < p->q ? p->s : p->q);
-    /* The largest index of a mode inside the circle: 2 pi j / n < k_limit. */
+void transfer_plan_place(transfer_plan *p, arena *a) {
     const int side = p->s < p->q ? p->s : p->q;
+    p->k_limit = M_PI * side;
+    /* The largest index of a mode inside the circle: 2 pi j / n < k_limit. */
     p->max_jx = (p->nx * side - 1) / 2;
     p->max_jy = (p->ny * side - 1) / 2;
     p->stride = fft_padded(p->max_jy + 1);
@@ -48,35 +47,17 @@ bool transfer_plan_init(transfer_plan *p) {
     p->psf_fine_ny = psf_fine(&p->grid.y);
     p->used_nx = p->psf_fine_nx < p->period_nx ? p->psf_fine_nx : p->period_nx;
     p->used_ny = p->psf_fine_ny < p->period_ny ? p->psf_fine_ny : p->period_ny;
-    p->along_x = fft_plan_new(p->period_nx);
-    p->along_y = fft_plan_new(p->period_ny);
-    p->ky2 = fft_alloc(p->stride * sizeof *p->ky2);
-    p->target = fft_alloc(p->table_size * sizeof *p->target);
-    if (p->along_x == NULL || p->along_y == NULL || p->ky2 == NULL || p->target == NULL)
-        return false;
-    fill_target(p);
-    return true;
+    p->ky2 = arena_doubles(a, p->stride);
+    p->target = arena_doubles(a, p->table_size);
+    if (a->memory != NULL)
+        fill_target(p);
 }
 
-void transfer_plan_deinit(transfer_plan *p) {
-    fft_plan_free(p->along_x);
-    fft_plan_free(p->along_y);
-    fft_free(p->ky2);
-    fft_free(p->target);
-    surface_grid_deinit(&p->grid);
-    *p = (transfer_plan){0};
-}
-
-bool transfer_init(transfer *t, const transfer_plan *p) {
-    *t = (transfer){.t = fft_alloc(p->table_size * sizeof *t->t),
-                    .reach = malloc(p->stride / FFT_LANES * sizeof *t->reach)};
-    return t->t != NULL && t->reach != NULL;
-}
-
-void transfer_deinit(transfer *t) {
-    free(t->reach);
-    fft_free(t->t);
-    *t = (transfer){0};
+void transfer_place(transfer *t, const transfer_plan *p, arena *a) {
+    *t = (transfer){.jx = p->max_jx,
+                    .jy = p->max_jy,
+                    .t = arena_doubles(a, p->table_size),
+                    .reach = arena_take(a, p->stride / FFT_LANES * sizeof *t->reach)};
 }
 
 /* Return the smallest ky^2 of a column at which |W|^2 is below the threshold, or NaN. */

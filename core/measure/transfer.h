@@ -30,15 +30,14 @@ typedef struct transfer_plan {
     int period_nx, period_ny;     /* the stamp's period in samples: nx q, ny q */
     int psf_fine_nx, psf_fine_ny; /* of the interpolated PSF, without its closing cells */
     int used_nx, used_ny;         /* the part of the period that the PSF covers */
-    fft_plan *along_x, *along_y;  /* lengths nx q and ny q */
+    fft_plan *along_x, *along_y;  /* lengths period_nx and period_ny; the caller's */
     double *ky2;                  /* [stride] ky^2; INFINITY beyond max_jy */
     double *target;               /* [2 max_jx + 1][stride] |W_beta|^2 times the factors of T */
 } transfer_plan;
 
-/* Make the tables; the grid and the sizes must have been set. Return false if out of memory;
- * transfer_plan_deinit is safe then, too. */
-bool transfer_plan_init(transfer_plan *p);
-void transfer_plan_deinit(transfer_plan *p);
+/* Place the tables, and fill them unless the arena only counts; the grid and the sizes must have
+ * been set. */
+void transfer_plan_place(transfer_plan *p, arena *a);
 
 typedef struct transfer_scratch {
     surface image;
@@ -49,8 +48,7 @@ typedef struct transfer_scratch {
     double *modes;         /* [group][re, im][aliased_stride][FFT_LANES] transformed along y */
     double *power;         /* [2 max_jx + 1][stride] |W|^2 */
 } transfer_scratch;
-bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p);
-void transfer_scratch_deinit(transfer_scratch *t);
+void transfer_scratch_place(transfer_scratch *t, const transfer_plan *p, arena *a);
 
 typedef struct transfer {
     double k_cut;   /* T = 0 at |k| >= k_cut */
@@ -59,8 +57,8 @@ typedef struct transfer {
     int *reach; /* [jy / FFT_LANES] the last jx that counts in this group of rows or a later one */
     double *t;  /* [2 max_jx + 1][stride], column max_jx + jx; whole groups of rows are filled */
 } transfer;
-bool transfer_init(transfer *t, const transfer_plan *p); /* false if out of memory */
-void transfer_deinit(transfer *t);
+/* Place the table; until it is made, any mode may count. */
+void transfer_place(transfer *t, const transfer_plan *p, arena *a);
 
 /* Compute |W|^2 of the image that the scratch has loaded into t->power; W(0) = 1. */
 void transfer_find_power(const transfer_plan *p, transfer_scratch *t);

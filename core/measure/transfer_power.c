@@ -12,29 +12,16 @@
  * part. */
 enum { PAIR = 2 * FFT_LANES };
 
-bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
+void transfer_scratch_place(transfer_scratch *t, const transfer_plan *p, arena *a) {
     const int longest = p->period_nx > p->period_ny ? p->period_nx : p->period_ny;
     *t = (transfer_scratch){.aliased_stride = ((size_t)p->period_nx + PAIR - 1) / PAIR * PAIR};
-    const bool image_made = surface_init(&t->image, &p->grid);
-    t->strip = fft_alloc((size_t)p->grid.fine_ny * FFT_LANES * sizeof *t->strip);
-    t->aliased = fft_zeros((size_t)p->period_ny * t->aliased_stride);
+    surface_place(&t->image, &p->grid, a);
+    t->strip = arena_doubles(a, (size_t)p->grid.fine_ny * FFT_LANES);
+    t->aliased = arena_doubles(a, (size_t)p->period_ny * t->aliased_stride);
     for (int i = 0; i < 2; i++)
-        t->lanes[i] = fft_lanes_new(longest + 1);
-    t->modes = fft_zeros(2 * p->stride * t->aliased_stride);
-    t->power = fft_alloc(p->table_size * sizeof *t->power);
-    return image_made && t->strip != NULL && t->aliased != NULL && t->lanes[0].re != NULL &&
-           t->lanes[1].re != NULL && t->modes != NULL && t->power != NULL;
-}
-
-void transfer_scratch_deinit(transfer_scratch *t) {
-    surface_deinit(&t->image);
-    fft_free(t->strip);
-    fft_free(t->aliased);
-    for (int i = 0; i < 2; i++)
-        fft_lanes_free(t->lanes[i]);
-    fft_free(t->modes);
-    fft_free(t->power);
-    *t = (transfer_scratch){0};
+        t->lanes[i] = fft_lanes_take(a, longest + 1);
+    t->modes = arena_doubles(a, 2 * p->stride * t->aliased_stride);
+    t->power = arena_doubles(a, p->table_size);
 }
 
 /* Alias the PSF onto the stamp's period. This is exact: at the stamp's modes exp(-ikx) has that

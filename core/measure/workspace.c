@@ -4,61 +4,60 @@
 
 #include <stdlib.h>
 
-/* Allocate memory for the rows of modes that any transfer of the plan may need. */
-static bool modes_init(shear_workspace *ws, const shear_plan *plan) {
+/* Place memory for the rows of modes that any transfer of the plan may need. */
+static void place_modes(shear_workspace *ws, const shear_plan *plan, arena *a) {
     const transfer widest = {.jy = plan->has_psf ? plan->transfer.jy : plan->transfer_plan.max_jy};
     const size_t groups = (size_t)mode_groups_last(plan, &widest) + 1;
     /* One more column, so that the parts do not share cache sets. */
     ws->lane_size = ((size_t)plan->info.fine_nx + 1) * FFT_LANES;
-    ws->modes = fft_alloc(4 * groups * ws->lane_size * sizeof *ws->modes);
-    return ws->modes != NULL;
+    ws->modes = arena_doubles(a, 4 * groups * ws->lane_size);
 }
 
-static bool allocate(shear_workspace *ws, const shear_plan *plan) {
+static void place(shear_workspace *ws, const shear_plan *plan, arena *a) {
     const shear_plan_info *info = &plan->info;
     const int longest = info->fine_nx > info->fine_ny ? info->fine_nx : info->fine_ny;
-    bool ok = surface_init(&ws->galaxy, &plan->grid);
-    ok = surface_init(&ws->noise, &plan->grid) && ok;
-    ws->strip = fft_lanes_new(info->fine_ny + 1);
-    ok = ok && ws->strip.re != NULL;
-    for (int i = 0; i < 3; i++) {
-        ws->lanes[i] = fft_lanes_new(longest + 1);
-        ok = ok && ws->lanes[i].re != NULL;
-    }
-    ok = modes_init(ws, plan) && ok;
+    surface_place(&ws->galaxy, &plan->grid, a);
+    surface_place(&ws->noise, &plan->grid, a);
+    ws->strip = fft_lanes_take(a, info->fine_ny + 1);
+    for (int i = 0; i < 3; i++)
+        ws->lanes[i] = fft_lanes_take(a, longest + 1);
+    place_modes(ws, plan, a);
     if (info->filter_per_stamp)
-        ok = plan_init_filters(&ws->fine, &ws->coarse, info) && ok;
+        filter_pair_place(&ws->filter, info->geometry.nx, info->geometry.ny, info->oversample, a);
     if (!plan->has_psf) {
-        ok = transfer_scratch_init(&ws->psf_scratch, &plan->transfer_plan) && ok;
-        ok = transfer_init(&ws->transfer, &plan->transfer_plan) && ok;
+        transfer_scratch_place(&ws->psf_scratch, &plan->transfer_plan, a);
+        transfer_place(&ws->transfer, &plan->transfer_plan, a);
     }
-    return ok;
 }
 
 int shear_workspace_new(shear_workspace **out, const shear_plan *plan, shear_error *err) {
+    arena a = {0};
     *out = calloc(1, sizeof **out);
-    if (*out == NULL || !allocate(*out, plan)) {
+    if (*out != NULL) {
+        place(*out, plan, &a);
+        (*out)->memory = arena_allocate(&a);
+    }
+    if (*out == NULL || (*out)->memory == NULL) {
         shear_workspace_free(*out);
         *out = NULL;
         return shear_fail(err, SHEAR_E_NOMEM, NULL,
                           "out of memory for a workspace of %d x %d points", plan->info.fine_nx,
                           plan->info.fine_ny);
     }
+    place(*out, plan, &a);
     return SHEAR_OK;
 }
 
+int64_t shear_workspace_bytes(const shear_plan *plan) {
+    shear_workspace ws;
+    arena a = {0};
+    place(&ws, plan, &a);
+    return (int64_t)(sizeof ws + a.used);
+}
+
 void shear_workspace_free(shear_workspace *ws) {
-    if (ws == NULL)
-        return;
-    surface_deinit(&ws->galaxy);
-    surface_deinit(&ws->noise);
-    fft_lanes_free(ws->strip);
-    for (int i = 0; i < 3; i++)
-        fft_lanes_free(ws->lanes[i]);
-    fft_free(ws->modes);
-    filter_map_deinit(&ws->fine);
-    filter_map_deinit(&ws->coarse);
-    transfer_scratch_deinit(&ws->psf_scratch);
-    transfer_deinit(&ws->transfer);
-    free(ws);
+    if (ws != NULL) {
+        free(ws->memory);
+        free(ws);
+    }
 }

@@ -5,6 +5,7 @@
 #include "pair.h"
 #include "test.h"
 
+#include "base/cleanup.h"
 #include "measure/axis.h"
 
 #include <gsl/gsl_spline.h>
@@ -17,7 +18,9 @@ enum { MAX_N = 64, MAX_S = 16 };
 static void expand(enum axis_kind kind, int n, int s, const double *f, bool marked, double *fine) {
     double e[MAX_N];
     axis ax;
-    assert_true(axis_init(&ax, kind, n, s));
+    arena a = {.used = 1 << 18};
+    CLEANUP(release_free) void *memory = arena_allocate(&a);
+    axis_place(&ax, kind, n, s, &a);
     if (marked) {
         axis_slopes_marked(&ax, f, f, e, 1);
     } else {
@@ -27,7 +30,6 @@ static void expand(enum axis_kind kind, int n, int s, const double *f, bool mark
         const axis_point *p = &ax.points[i];
         fine[i] = axis_between_marks(p, f[p->left], f[p->right], e[p->left], e[p->right]);
     }
-    axis_deinit(&ax);
 }
 
 /* Numbers of order 1, so that tolerances are absolute. */
@@ -158,7 +160,9 @@ static void test_lanes(void **state) {
     draw_line(f, N * STRIDE, &seed);
     for (enum axis_kind kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         axis ax;
-        assert_true(axis_init(&ax, kind, N, S));
+        arena tables = {.used = 1 << 18};
+        CLEANUP(release_free) void *memory = arena_allocate(&tables);
+        axis_place(&ax, kind, N, S, &tables);
         memset(e, 0, sizeof e);
         axis_slopes(&ax, f, e, STRIDE, LANES);
         for (int lane = 0; lane < LANES; lane++) {
@@ -178,7 +182,6 @@ static void test_lanes(void **state) {
                             fine[i], 1e-14, 1.0, "lane");
             }
         }
-        axis_deinit(&ax);
     }
 }
 

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Growth of arrays and buffers; release of locals. */
+/* Growth of arrays and buffers; arenas; release of locals. */
+#include "base/arena.h"
 #include "base/array.h"
 #include "base/buffer.h"
 #include "base/cleanup.h"
 #include "test.h"
 
 #include <stdint.h>
+#include <string.h>
 
 static void growing_keeps_the_items(void **state) {
     (void)state;
@@ -135,9 +137,32 @@ static void locals_are_released_unless_taken(void **state) {
     assert_int_equal(released, 1);
 }
 
+/* Arrays of an arena are zeros, aligned, and apart from each other; counted before, they fit. */
+static void an_arena_holds_what_it_counted(void **state) {
+    (void)state;
+    arena a = {0};
+    for (size_t n = 0; n < 300; n++)
+        assert_null(arena_take(&a, n));
+    const size_t counted = a.used;
+    CLEANUP(release_free) char *memory = arena_allocate(&a);
+    assert_non_null(memory);
+    const char *end = memory;
+    for (size_t n = 0; n < 300; n++) {
+        char *taken = arena_take(&a, n);
+        assert_true((uintptr_t)taken % 64 == 0 && taken >= end);
+        for (size_t i = 0; i < n; i++)
+            assert_true(taken[i] == 0);
+        memset(taken, 1, n);
+        end = taken + n;
+    }
+    assert_true(a.used == counted && end <= memory + counted);
+    assert_true((char *)arena_doubles(&(arena){.memory = memory}, 1) == memory);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(growing_keeps_the_items),
+        cmocka_unit_test(an_arena_holds_what_it_counted),
         cmocka_unit_test(nothing_changes_where_nothing_is_needed),
         cmocka_unit_test(the_first_that_is_not_before_the_key),
         cmocka_unit_test(scratch_is_no_larger_than_needed),

@@ -6,6 +6,7 @@
 #include "pair.h"
 #include "test.h"
 
+#include "base/cleanup.h"
 #include "measure/filter.h"
 
 #include <math.h>
@@ -16,7 +17,9 @@
  * what is not zero. Values below 1e-18 are zero. */
 static void check_map(int nx, int ny, int s, double core, double width) {
     filter_map m;
-    assert_true(filter_map_init(&m, nx, ny, s));
+    arena a = {.used = 1 << 22};
+    CLEANUP(release_free) void *memory = arena_allocate(&a);
+    filter_map_place(&m, nx, ny, s, &a);
     filter_map_fill(&m, core, width);
     for (int y = 0; y < ny * s; y++) {
         for (int x = 0; x < nx * s; x++) {
@@ -32,7 +35,6 @@ static void check_map(int nx, int ny, int s, double core, double width) {
         }
         assert_true(m.x0[y] >= 0 && m.x0[y] <= m.x1[y] && m.x1[y] <= nx * s);
     }
-    filter_map_deinit(&m);
 }
 
 static void test_formula(void **state) {
@@ -50,7 +52,9 @@ static void test_formula(void **state) {
 static void test_chosen_points(void **state) {
     (void)state;
     filter_map m;
-    assert_true(filter_map_init(&m, 21, 21, 1));
+    arena a = {.used = 1 << 22};
+    CLEANUP(release_free) void *memory = arena_allocate(&a);
+    filter_map_place(&m, 21, 21, 1, &a);
     filter_map_fill(&m, 5.0, 2.0);
     const double *centre = m.value + 10 * 21 + 10;
     assert_true(centre[0] == 1.0 && centre[5] == 1.0 && centre[-5 * 21] == 1.0 &&
@@ -62,7 +66,6 @@ static void test_chosen_points(void **state) {
     assert_true(centre[9] == 1.0);
     filter_map_fill(&m, 9.0, 0.5);
     assert_near(centre[10], exp(-2.0), 1e-15, 1.0, "another width");
-    filter_map_deinit(&m);
 }
 
 static shear_plan_info info_of(const pair *p, bool has_r_gal) {

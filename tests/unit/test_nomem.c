@@ -197,9 +197,9 @@ static void test_plans_and_workspaces(void **state) {
             exhaust(new_plan, &s, 8);
             shear_plan *plan = batch_plan(&s.b, &s.settings, s.own_psf, true);
             s.plan = plan;
-            exhaust(new_workspace, &s, 3);
-            exhaust(measure_batch, &s, 12);
-            exhaust(inspect, &s, 9);
+            exhaust(new_workspace, &s, 2);
+            exhaust(measure_batch, &s, 7);
+            exhaust(inspect, &s, 8);
             shear_plan_free(plan);
         }
     }

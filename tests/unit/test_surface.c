@@ -6,6 +6,7 @@
 #include "pair.h"
 #include "test.h"
 
+#include "base/cleanup.h"
 #include "fft/fft.h"
 #include "measure/surface.h"
 
@@ -20,8 +21,10 @@ static bool refine(const double *pixels, int nx, int ny, enum shear_interpolatio
     surface_grid grid;
     surface im;
     static double strip[MAX_POINTS];
-    assert_true(surface_grid_init(&grid, nx, ny, method, s, zeros, pedestal));
-    assert_true(surface_init(&im, &grid));
+    arena a = {.used = 1 << 22};
+    CLEANUP(release_free) void *memory = arena_allocate(&a);
+    surface_grid_place(&grid, nx, ny, method, s, zeros, pedestal, &a);
+    surface_place(&im, &grid, &a);
     assert_true((size_t)grid.fine_nx * (size_t)grid.fine_ny <= MAX_POINTS);
     const bool good = surface_load(&im, &grid, pixels, bad_x, bad_y);
     for (int x0 = 0; good && x0 < grid.fine_nx; x0 += FFT_LANES) {
@@ -32,8 +35,6 @@ static bool refine(const double *pixels, int nx, int ny, enum shear_interpolatio
                 fine[i / FFT_LANES * grid.fine_nx + x] = strip[i];
         }
     }
-    surface_deinit(&im);
-    surface_grid_deinit(&grid);
     return good;
 }
 
@@ -171,8 +172,10 @@ static void test_strips_and_parts(void **state) {
             surface im;
             int bad;
             refine_good(a, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0, fine);
-            assert_true(surface_grid_init(&grid, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0) &&
-                        surface_init(&im, &grid));
+            arena tables = {.used = 1 << 22};
+            CLEANUP(release_free) void *memory = arena_allocate(&tables);
+            surface_grid_place(&grid, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0, &tables);
+            surface_place(&im, &grid, &tables);
             assert_true(surface_load(&im, &grid, a, &bad, &bad));
             surface_strip(&im, &grid, X0, Y0, Y1, part);
             for (int i = 0; i < NX * S * NY * S; i++) {
@@ -184,8 +187,6 @@ static void test_strips_and_parts(void **state) {
                     assert_near(part[y * FFT_LANES + x], fine[i], 1e-14, 1.0, "part");
                 }
             }
-            surface_deinit(&im);
-            surface_grid_deinit(&grid);
             free(expected);
         }
     }
