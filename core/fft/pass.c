@@ -6,6 +6,8 @@
 
 #include <stdbool.h>
 
+enum { MAX_RADIX = 8 };
+
 /* Three passes of radix 4 are a little faster than two of radix 8; four of radix 4 are slower than
  * three of radices 8 and 4: 64 = 4 4 4, 256 = 8 8 4. Odd radices come last, without twiddles. */
 int fft_pass_radix(int n) {
@@ -39,65 +41,68 @@ static SHEAR_INLINE cx minus_i(cx a) { /* times -i */
 }
 
 /* Short transforms, in place and in natural order. */
-static SHEAR_INLINE void dft2(cx *a, cx *b) {
-    const cx sum = add(*a, *b);
-    *b = sub(*a, *b);
-    *a = sum;
+typedef void short_dft(cx *z);
+
+static SHEAR_INLINE void dft2(cx *z) {
+    const cx sum = add(z[0], z[1]);
+    z[1] = sub(z[0], z[1]);
+    z[0] = sum;
 }
 
-static SHEAR_INLINE void dft4(cx *a, cx *b, cx *c, cx *d) {
-    dft2(a, c);
-    dft2(b, d);
-    const cx rotated = minus_i(*d);
-    const cx second = *c;
-    *c = sub(*a, *b);
-    *a = add(*a, *b);
-    *b = add(second, rotated);
-    *d = sub(second, rotated);
+static SHEAR_INLINE void dft4(cx *z) {
+    const cx sum_even = add(z[0], z[2]);
+    const cx dif_even = sub(z[0], z[2]);
+    const cx sum_odd = add(z[1], z[3]);
+    const cx dif_odd = minus_i(sub(z[1], z[3]));
+    z[0] = add(sum_even, sum_odd);
+    z[1] = add(dif_even, dif_odd);
+    z[2] = sub(sum_even, sum_odd);
+    z[3] = sub(dif_even, dif_odd);
 }
 
-static SHEAR_INLINE void dft3(cx *a, cx *b, cx *c) {
+static SHEAR_INLINE void dft3(cx *z) {
     const double half_root3 = 0.86602540378443864676;
-    const cx sum = add(*b, *c);
-    const cx rotated = scale(half_root3, minus_i(sub(*b, *c)));
-    const cx middle = sub(*a, scale(0.5, sum));
-    *a = add(*a, sum);
-    *b = add(middle, rotated);
-    *c = sub(middle, rotated);
+    const cx sum = add(z[1], z[2]);
+    const cx rotated = scale(half_root3, minus_i(sub(z[1], z[2])));
+    const cx middle = sub(z[0], scale(0.5, sum));
+    z[0] = add(z[0], sum);
+    z[1] = add(middle, rotated);
+    z[2] = sub(middle, rotated);
 }
 
-static SHEAR_INLINE void dft5(cx *a, cx *b, cx *c, cx *d, cx *e) {
+static SHEAR_INLINE void dft5(cx *z) {
     const double c1 = 0.30901699437494742410; /* cos and sin of 72 and 144 degrees */
     const double c2 = -0.80901699437494742410;
     const double s1 = 0.95105651629515357212;
     const double s2 = 0.58778525229247312917;
-    const cx sum1 = add(*b, *e);
-    const cx sum2 = add(*c, *d);
-    const cx dif1 = minus_i(sub(*b, *e));
-    const cx dif2 = minus_i(sub(*c, *d));
-    const cx even1 = add(*a, add(scale(c1, sum1), scale(c2, sum2)));
-    const cx even2 = add(*a, add(scale(c2, sum1), scale(c1, sum2)));
+    const cx sum1 = add(z[1], z[4]);
+    const cx sum2 = add(z[2], z[3]);
+    const cx dif1 = minus_i(sub(z[1], z[4]));
+    const cx dif2 = minus_i(sub(z[2], z[3]));
+    const cx even1 = add(z[0], add(scale(c1, sum1), scale(c2, sum2)));
+    const cx even2 = add(z[0], add(scale(c2, sum1), scale(c1, sum2)));
     const cx odd1 = add(scale(s1, dif1), scale(s2, dif2));
     const cx odd2 = sub(scale(s2, dif1), scale(s1, dif2));
-    *a = add(*a, add(sum1, sum2));
-    *b = add(even1, odd1);
-    *e = sub(even1, odd1);
-    *c = add(even2, odd2);
-    *d = sub(even2, odd2);
+    z[0] = add(z[0], add(sum1, sum2));
+    z[1] = add(even1, odd1);
+    z[2] = add(even2, odd2);
+    z[3] = sub(even2, odd2);
+    z[4] = sub(even1, odd1);
 }
 
-/* even: points 0, 2, 4, 6; odd: points 1, 3, 5, 7. The results are points 0 to 3 and 4 to 7. */
-static SHEAR_INLINE void dft8(cx even[4], cx odd[4]) {
+static SHEAR_INLINE void dft8(cx *z) {
     const double root_half = 0.70710678118654752440;
-    dft4(&even[0], &even[1], &even[2], &even[3]);
-    dft4(&odd[0], &odd[1], &odd[2], &odd[3]);
+    cx even[4] = {z[0], z[2], z[4], z[6]};
+    cx odd[4] = {z[1], z[3], z[5], z[7]};
+    dft4(even);
+    dft4(odd);
     odd[1] = scale(root_half, add(odd[1], minus_i(odd[1])));
     odd[2] = minus_i(odd[2]);
     odd[3] = scale(root_half, sub(minus_i(odd[3]), odd[3]));
-    dft2(&even[0], &odd[0]);
-    dft2(&even[1], &odd[1]);
-    dft2(&even[2], &odd[2]);
-    dft2(&even[3], &odd[3]);
+    for (int k = 0; k < 4; k++) {
+        z[k] = add(even[k], odd[k]);
+        z[k + 4] = sub(even[k], odd[k]);
+    }
 }
 
 /* The addresses that the butterflies of one p read and write: block j is at [j apart], with its
@@ -120,69 +125,20 @@ static SHEAR_INLINE void store(const strands *t, bool rotated, size_t k, size_t 
     t->out_im[k * t->out_apart + l] = rotated ? z.re * d + z.im * c : z.im;
 }
 
-/* `rotated`: multiply by the twiddles, which are all 1 for p = 0. It is a constant once inlined. */
-typedef void butterfly(const strands *t, bool rotated, size_t l);
-
-static SHEAR_INLINE void butterfly2(const strands *t, bool rotated, size_t l) {
-    cx a = load(t, 0, l);
-    cx b = load(t, 1, l);
-    dft2(&a, &b);
-    store(t, false, 0, l, a);
-    store(t, rotated, 1, l, b);
+/* `rotated`: multiply by the twiddles, which are all 1 for p = 0. It is a constant once inlined, as
+ * `dft` and `radix` are. */
+static SHEAR_INLINE void butterfly(const strands *t, short_dft *dft, size_t radix, bool rotated,
+                                   size_t l) {
+    cx z[MAX_RADIX];
+    for (size_t j = 0; j < radix; j++)
+        z[j] = load(t, j, l);
+    dft(z);
+    for (size_t k = 0; k < radix; k++)
+        store(t, rotated && k > 0, k, l, z[k]);
 }
 
-static SHEAR_INLINE void butterfly3(const strands *t, bool rotated, size_t l) {
-    cx a = load(t, 0, l);
-    cx b = load(t, 1, l);
-    cx c = load(t, 2, l);
-    dft3(&a, &b, &c);
-    store(t, false, 0, l, a);
-    store(t, rotated, 1, l, b);
-    store(t, rotated, 2, l, c);
-}
-
-static SHEAR_INLINE void butterfly4(const strands *t, bool rotated, size_t l) {
-    cx a = load(t, 0, l);
-    cx b = load(t, 1, l);
-    cx c = load(t, 2, l);
-    cx d = load(t, 3, l);
-    dft4(&a, &b, &c, &d);
-    store(t, false, 0, l, a);
-    store(t, rotated, 1, l, b);
-    store(t, rotated, 2, l, c);
-    store(t, rotated, 3, l, d);
-}
-
-static SHEAR_INLINE void butterfly5(const strands *t, bool rotated, size_t l) {
-    cx a = load(t, 0, l);
-    cx b = load(t, 1, l);
-    cx c = load(t, 2, l);
-    cx d = load(t, 3, l);
-    cx e = load(t, 4, l);
-    dft5(&a, &b, &c, &d, &e);
-    store(t, false, 0, l, a);
-    store(t, rotated, 1, l, b);
-    store(t, rotated, 2, l, c);
-    store(t, rotated, 3, l, d);
-    store(t, rotated, 4, l, e);
-}
-
-static SHEAR_INLINE void butterfly8(const strands *t, bool rotated, size_t l) {
-    cx even[4] = {load(t, 0, l), load(t, 2, l), load(t, 4, l), load(t, 6, l)};
-    cx odd[4] = {load(t, 1, l), load(t, 3, l), load(t, 5, l), load(t, 7, l)};
-    dft8(even, odd);
-    store(t, false, 0, l, even[0]);
-    store(t, rotated, 1, l, even[1]);
-    store(t, rotated, 2, l, even[2]);
-    store(t, rotated, 3, l, even[3]);
-    store(t, rotated, 4, l, odd[0]);
-    store(t, rotated, 5, l, odd[1]);
-    store(t, rotated, 6, l, odd[2]);
-    store(t, rotated, 7, l, odd[3]);
-}
-
-/* Run all butterflies of a pass. `one` and `radix` are constants once inlined. */
-static SHEAR_INLINE void run(const fft_pass *pass, butterfly *one, size_t radix, const double *re,
+/* Run all butterflies of a pass. */
+static SHEAR_INLINE void run(const fft_pass *pass, short_dft *dft, size_t radix, const double *re,
                              const double *im, size_t step, double *out_re, double *out_im) {
     const size_t s = (size_t)pass->s;
     const size_t m = (size_t)pass->m;
@@ -198,57 +154,44 @@ static SHEAR_INLINE void run(const fft_pass *pass, butterfly *one, size_t radix,
         if (p == 0) { // NOLINT(bugprone-branch-clone): two loops, each with its constant
 #pragma omp simd
             for (size_t l = 0; l < out_block; l++)
-                one(&t, false, l);
+                butterfly(&t, dft, radix, false, l);
         } else {
 #pragma omp simd
             for (size_t l = 0; l < out_block; l++)
-                one(&t, true, l);
+                butterfly(&t, dft, radix, true, l);
         }
     }
 }
 
 SHEAR_SIMD static void run2(const fft_pass *pass, const double *re, const double *im, size_t step,
                             double *out_re, double *out_im) {
-    run(pass, butterfly2, 2, re, im, step, out_re, out_im);
+    run(pass, dft2, 2, re, im, step, out_re, out_im);
 }
 
 SHEAR_SIMD static void run3(const fft_pass *pass, const double *re, const double *im, size_t step,
                             double *out_re, double *out_im) {
-    run(pass, butterfly3, 3, re, im, step, out_re, out_im);
+    run(pass, dft3, 3, re, im, step, out_re, out_im);
 }
 
 SHEAR_SIMD static void run4(const fft_pass *pass, const double *re, const double *im, size_t step,
                             double *out_re, double *out_im) {
-    run(pass, butterfly4, 4, re, im, step, out_re, out_im);
+    run(pass, dft4, 4, re, im, step, out_re, out_im);
 }
 
 SHEAR_SIMD static void run5(const fft_pass *pass, const double *re, const double *im, size_t step,
                             double *out_re, double *out_im) {
-    run(pass, butterfly5, 5, re, im, step, out_re, out_im);
+    run(pass, dft5, 5, re, im, step, out_re, out_im);
 }
 
 SHEAR_SIMD static void run8(const fft_pass *pass, const double *re, const double *im, size_t step,
                             double *out_re, double *out_im) {
-    run(pass, butterfly8, 8, re, im, step, out_re, out_im);
+    run(pass, dft8, 8, re, im, step, out_re, out_im);
 }
 
 void fft_pass_run(const fft_pass *pass, const double *re, const double *im, size_t step,
                   double *out_re, double *out_im) {
-    switch (pass->radix) {
-    case 2:
-        run2(pass, re, im, step, out_re, out_im);
-        break;
-    case 3:
-        run3(pass, re, im, step, out_re, out_im);
-        break;
-    case 4:
-        run4(pass, re, im, step, out_re, out_im);
-        break;
-    case 5:
-        run5(pass, re, im, step, out_re, out_im);
-        break;
-    default:
-        run8(pass, re, im, step, out_re, out_im);
-        break;
-    }
+    typedef void run_pass(const fft_pass *, const double *, const double *, size_t, double *,
+                          double *);
+    static run_pass *const runs[] = {[2] = run2, [3] = run3, [4] = run4, [5] = run5, [8] = run8};
+    runs[pass->radix](pass, re, im, step, out_re, out_im);
 }
