@@ -91,21 +91,15 @@ static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t
     *other = n;
 }
 
-SHEAR_SIMD static void sum_difference(const mode_rows *rows, const double *t, size_t stride,
-                                      int last, lane_sums *out) {
-    lane_sums none;
-    sum_rows(rows, t, stride, last, DIFFERENCE, out, &none);
-}
-
-SHEAR_SIMD static void sum_with_noise(const mode_rows *rows, const double *t, size_t stride,
-                                      int last, lane_sums *out, lane_sums *noise) {
-    sum_rows(rows, t, stride, last, WITH_NOISE, out, noise);
-}
-
-SHEAR_SIMD static void sum_cross(const mode_rows *rows, const double *t, size_t stride, int last,
-                                 lane_sums *out) {
-    lane_sums none;
-    sum_rows(rows, t, stride, last, CROSS, out, &none);
+SHEAR_SIMD static void sum_spectrum(const mode_rows *rows, const double *t, size_t stride, int last,
+                                    enum spectra which, lane_sums *out, lane_sums *other) {
+    if (which == DIFFERENCE) {
+        sum_rows(rows, t, stride, last, DIFFERENCE, out, other);
+    } else if (which == WITH_NOISE) {
+        sum_rows(rows, t, stride, last, WITH_NOISE, out, other);
+    } else {
+        sum_rows(rows, t, stride, last, CROSS, out, other);
+    }
 }
 
 /* Compute the moments of each row. */
@@ -146,28 +140,26 @@ static const double *middle_column(const transfer_plan *p, const transfer *t, in
     return t->t + (size_t)p->max_jx * p->stride + (size_t)jy;
 }
 
-void moments_add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
-                 const transfer *t) {
+static void add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
+                const transfer *t, enum spectra which) {
     const int first = rows->group * FFT_LANES;
-    const double *middle = middle_column(p, t, first);
-    const int reach = t->reach[rows->group];
     lane_sums sums;
     lane_sums noise_sums;
-    if (noise == NULL) {
-        sum_difference(rows, middle, p->stride, reach, &sums);
-    } else {
-        sum_with_noise(rows, middle, p->stride, reach, &sums, &noise_sums);
-        add_lanes(noise, &noise_sums, p, first);
-    }
+    sum_spectrum(rows, middle_column(p, t, first), p->stride, t->reach[rows->group], which, &sums,
+                 &noise_sums);
     add_lanes(m, &sums, p, first);
+    if (noise != NULL)
+        add_lanes(noise, &noise_sums, p, first);
+}
+
+void moments_add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
+                 const transfer *t) {
+    add(m, noise, rows, p, t, noise != NULL ? WITH_NOISE : DIFFERENCE);
 }
 
 void moments_add_cross(moments *m, const mode_rows *rows, const transfer_plan *p,
                        const transfer *t) {
-    const int first = rows->group * FFT_LANES;
-    lane_sums sums;
-    sum_cross(rows, middle_column(p, t, first), p->stride, t->reach[rows->group], &sums);
-    add_lanes(m, &sums, p, first);
+    add(m, NULL, rows, p, t, CROSS);
 }
 
 moments moments_of_flat(const transfer_plan *p, const transfer *t) {

@@ -49,19 +49,17 @@ static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter,
     *sums = s;
 }
 
-SHEAR_SIMD static void pack_levelled(photometry_sums *sums, const double *filter, size_t x0,
-                                     size_t y0, size_t y1, fft_lanes out) {
-    pack_rows(sums, filter, LEVELLED, x0, y0, y1, out);
-}
-
-SHEAR_SIMD static void pack_filtered(photometry_sums *sums, const double *filter, size_t x0,
-                                     size_t y0, size_t y1, fft_lanes out) {
-    pack_rows(sums, filter, FILTERED, x0, y0, y1, out);
-}
-
-SHEAR_SIMD static void pack_plain(photometry_sums *sums, size_t x0, size_t y0, size_t y1,
-                                  fft_lanes out) {
-    pack_rows(sums, NULL, PLAIN, x0, y0, y1, out);
+/* `filter` may be NULL if nothing is filtered. */
+SHEAR_SIMD static void pack_columns(photometry_sums *sums, const double *filter,
+                                    enum filtering filtering, size_t x0, size_t y0, size_t y1,
+                                    fft_lanes out) {
+    if (filtering == PLAIN) {
+        pack_rows(sums, NULL, PLAIN, x0, y0, y1, out);
+    } else if (filtering == FILTERED) {
+        pack_rows(sums, filter, FILTERED, x0, y0, y1, out);
+    } else {
+        pack_rows(sums, filter, LEVELLED, x0, y0, y1, out);
+    }
 }
 
 SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level, double noise_level,
@@ -94,32 +92,20 @@ static strip strip_at(const shear_plan *plan, const filter_map *filter, int i) {
                    .y1 = filter != NULL ? filter->strip_y1[i] : plan->info.fine_ny};
 }
 
-static void pack_columns(photometry_sums *sums, const filter_map *filter, bool levelled,
-                         const strip *st, fft_lanes out) {
-    const size_t x0 = (size_t)st->x0;
-    const size_t y0 = (size_t)st->y0;
-    const size_t y1 = (size_t)st->y1;
-    if (filter == NULL) {
-        pack_plain(sums, x0, y0, y1, out);
-    } else if (levelled) {
-        pack_levelled(sums, filter->value, x0, y0, y1, out);
-    } else {
-        pack_filtered(sums, filter->value, x0, y0, y1, out);
-    }
-}
-
 /* Pack a strip from pixels, with their photometry; if strips overlap, with that of the new columns
  * only. */
 static void pack_strip(const shear_plan *plan, shear_workspace *ws, photometry_sums *sums,
                        const filter_map *filter, const strip *st) {
-    const bool levelled = !shear_settings_keep_background(&plan->settings);
-    if (st->skip == 0) {
-        pack_columns(sums, filter, levelled, st, ws->strip);
-        return;
-    }
-    photometry_sums twice = *sums;
-    pack_columns(&twice, filter, levelled, st, ws->strip);
-    photometry_add(sums, st->x0, st->skip, st->y0, st->y1);
+    const enum filtering filtering = filter == NULL                                    ? PLAIN
+                                     : shear_settings_keep_background(&plan->settings) ? FILTERED
+                                                                                       : LEVELLED;
+    photometry_sums twice;
+    if (st->skip > 0)
+        twice = *sums;
+    pack_columns(st->skip == 0 ? sums : &twice, filter != NULL ? filter->value : NULL, filtering,
+                 (size_t)st->x0, (size_t)st->y0, (size_t)st->y1, ws->strip);
+    if (st->skip > 0)
+        photometry_add(sums, st->x0, st->skip, st->y0, st->y1);
 }
 
 /* Pack a strip from interpolated images. */
