@@ -83,10 +83,11 @@ static void put_mode(const transfer_plan *p, const transfer *t, int jx, int jy, 
 /* Return the shot noise in every mode. */
 static double shot_power(const shear_plan *plan, shear_workspace *ws) {
     double power = 0.0;
+    double of_noise = 0.0;
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
         for (int group = 0; group <= plan->plateau.last_group; group++) {
             const mode_rows rows = pack_transform_rows(plan, ws, group);
-            power += plateau_part(&plan->plateau, &rows);
+            plateau_add(&plan->plateau, &rows, &power, &of_noise);
         }
     }
     return power;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/moments.h"
-#include "base/simd.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -9,7 +8,7 @@
 double moments_power(const mode_rows *r, int jx, int lane) {
     const size_t here = (size_t)(jx < 0 ? r->nx + jx : jx) * FFT_LANES + (size_t)lane;
     const size_t there = (size_t)(jx > 0 ? r->nx - jx : -jx) * FFT_LANES + (size_t)lane;
-    return r->up.re[here] * r->down.re[there] - r->up.im[here] * r->down.im[there];
+    return mode_difference(mode_at(r, here, there));
 }
 
 /* Sums over jx of T P times 1, jx, jx^2, jx^3, jx^4; lane l holds row l of the group. The powers of
@@ -30,30 +29,8 @@ static SHEAR_INLINE void add_columns(lane_sums *s, size_t l, double right, doubl
     s->s4[l] += x2 * x2 * even;
 }
 
-/* Element `here` of up and its mirror image, element `there` of down. */
-typedef struct mode {
-    double a, b, c, d; /* Z(k) = a + ib, Z(-k) = c + id */
-} mode;
-
-static SHEAR_INLINE mode mode_at(const mode_rows *r, size_t here, size_t there) {
-    return (mode){
-        .a = r->up.re[here], .b = r->up.im[here], .c = r->down.re[there], .d = r->down.im[there]};
-}
-
 /* The spectra that are summed. */
 enum spectra { DIFFERENCE, WITH_NOISE, CROSS };
-
-static SHEAR_INLINE double difference(mode z) {
-    return z.a * z.c - z.b * z.d;
-}
-
-/* Return |N|^2, from N itself: a difference of the two sums would lose it beside a bright
- * galaxy. */
-static SHEAR_INLINE double noise(mode z) {
-    const double re = 0.5 * (z.b + z.d);
-    const double im = 0.5 * (z.a - z.c);
-    return re * re + im * im;
-}
 
 static SHEAR_INLINE double cross(mode z) {
     return z.a * z.d + z.b * z.c;
@@ -70,8 +47,8 @@ static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t
 #pragma omp simd
     for (size_t l = 0; l < FFT_LANES; l++) {
         const mode z = mode_at(&r, l, l);
-        s.s0[l] = t[l] * (which == CROSS ? cross(z) : difference(z));
-        n.s0[l] = which == WITH_NOISE ? t[l] * noise(z) : 0.0;
+        s.s0[l] = t[l] * (which == CROSS ? cross(z) : mode_difference(z));
+        n.s0[l] = which == WITH_NOISE ? t[l] * mode_noise(z) : 0.0;
     }
     for (int jx = 1; jx <= last; jx++) {
         const double *right = t + (ptrdiff_t)stride * jx;
@@ -81,10 +58,10 @@ static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t
         for (size_t l = 0; l < FFT_LANES; l++) {
             const mode z = mode_at(&r, at + l, end - at + l);
             const mode y = mode_at(&r, end - at + l, at + l);
-            add_columns(&s, l, right[l] * (which == CROSS ? cross(z) : difference(z)),
-                        left[l] * (which == CROSS ? cross(y) : difference(y)), jx);
+            add_columns(&s, l, right[l] * (which == CROSS ? cross(z) : mode_difference(z)),
+                        left[l] * (which == CROSS ? cross(y) : mode_difference(y)), jx);
             if (which == WITH_NOISE)
-                add_columns(&n, l, right[l] * noise(z), left[l] * noise(y), jx);
+                add_columns(&n, l, right[l] * mode_noise(z), left[l] * mode_noise(y), jx);
         }
     }
     *out = s;

@@ -9,6 +9,7 @@
  */
 #pragma once
 
+#include "base/simd.h"
 #include "measure/transfer.h"
 
 typedef struct moments {
@@ -23,6 +24,30 @@ typedef struct mode_rows {
     int nx; /* columns of the fine grid */
     int group;
 } mode_rows;
+
+/* A mode and its mirror image. */
+typedef struct mode {
+    double a, b, c, d; /* Z(k) = a + ib, Z(-k) = c + id */
+} mode;
+
+/* Return element `here` of up and element `there` of down. */
+static SHEAR_INLINE mode mode_at(const mode_rows *r, size_t here, size_t there) {
+    return (mode){
+        .a = r->up.re[here], .b = r->up.im[here], .c = r->down.re[there], .d = r->down.im[there]};
+}
+
+/* Return |G|^2 - |N|^2. */
+static SHEAR_INLINE double mode_difference(mode z) {
+    return z.a * z.c - z.b * z.d;
+}
+
+/* Return |N|^2, from N itself: a difference of the two sums would lose it beside a bright
+ * galaxy. */
+static SHEAR_INLINE double mode_noise(mode z) {
+    const double re = 0.5 * (z.b + z.d);
+    const double im = 0.5 * (z.a - z.c);
+    return re * re + im * im;
+}
 
 /* Add the modes of one group; groups are 0 .. t->jy / FFT_LANES. `noise` gets the moments of the
  * noise stamp alone, or is NULL. */

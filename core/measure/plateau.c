@@ -38,29 +38,17 @@ void plateau_place(plateau *p, int nx, int ny, arena *a) {
         p->share[i] /= p->n;
 }
 
-SHEAR_SIMD static void sum_rows(const mode_rows *r, const double *share, size_t stride,
-                                double *sums) {
-    for (size_t x = 0; x < (size_t)r->nx; x++) {
+SHEAR_SIMD static void sum_rows(const mode_rows *rows, const double *share, size_t stride,
+                                double *sums, double *noise_sums) {
+    const mode_rows r = *rows;
+    for (size_t x = 0; x < (size_t)r.nx; x++) {
         const size_t at = x * FFT_LANES;
-        const size_t mirrored = ((size_t)r->nx - x) * FFT_LANES;
+        const size_t mirrored = ((size_t)r.nx - x) * FFT_LANES;
 #pragma omp simd
         for (size_t l = 0; l < FFT_LANES; l++) {
-            sums[l] += share[x * stride + l] * (r->up.re[at + l] * r->down.re[mirrored + l] -
-                                                r->up.im[at + l] * r->down.im[mirrored + l]);
-        }
-    }
-}
-
-SHEAR_SIMD static void sum_noise(const mode_rows *r, const double *share, size_t stride,
-                                 double *sums) {
-    for (size_t x = 0; x < (size_t)r->nx; x++) {
-        const size_t at = x * FFT_LANES;
-        const size_t mirrored = ((size_t)r->nx - x) * FFT_LANES;
-#pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
-            const double re = 0.5 * (r->up.im[at + l] + r->down.im[mirrored + l]);
-            const double im = 0.5 * (r->up.re[at + l] - r->down.re[mirrored + l]);
-            sums[l] += share[x * stride + l] * (re * re + im * im);
+            const mode z = mode_at(&r, at + l, mirrored + l);
+            sums[l] += share[x * stride + l] * mode_difference(z);
+            noise_sums[l] += share[x * stride + l] * mode_noise(z);
         }
     }
 }
@@ -72,16 +60,11 @@ static double sum_of(const double *lanes) {
     return sum;
 }
 
-double plateau_part(const plateau *p, const mode_rows *r) {
+void plateau_add(const plateau *p, const mode_rows *r, double *mean, double *noise_mean) {
     assert(r->group >= 0 && r->group <= p->last_group && r->nx == p->nx);
     double sums[FFT_LANES] = {0};
-    sum_rows(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums);
-    return sum_of(sums);
-}
-
-double plateau_of_noise(const plateau *p, const mode_rows *r) {
-    assert(r->group >= 0 && r->group <= p->last_group && r->nx == p->nx);
-    double sums[FFT_LANES] = {0};
-    sum_noise(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums);
-    return sum_of(sums);
+    double noise_sums[FFT_LANES] = {0};
+    sum_rows(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums, noise_sums);
+    *mean += sum_of(sums);
+    *noise_mean += sum_of(noise_sums);
 }

@@ -21,7 +21,6 @@ typedef struct plateau {
 /* Place the shares, and fill them unless the arena only counts. */
 void plateau_place(plateau *p, int nx, int ny, arena *a);
 
-/* Return the part of the mean that the rows of one group hold; groups are 0 .. last_group. */
-double plateau_part(const plateau *p, const mode_rows *rows);
-/* The same for the noise stamp alone. */
-double plateau_of_noise(const plateau *p, const mode_rows *rows);
+/* Add the part of the mean that the rows of one group hold, and that of the noise stamp alone;
+ * groups are 0 .. last_group. */
+void plateau_add(const plateau *p, const mode_rows *rows, double *mean, double *noise_mean);

@@ -12,10 +12,8 @@ static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows 
     }
     if (high_band_wants(&plan->high, rows->group))
         high_power_add(&s->high, &plan->high, rows);
-    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
-        s->shot += plateau_part(&plan->plateau, rows);
-        s->noise_shot += plateau_of_noise(&plan->plateau, rows);
-    }
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU)
+        plateau_add(&plan->plateau, rows, &s->shot, &s->noise_shot);
 }
 
 spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
