@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Set and format settings by name and as text. */
+/* Set and format settings by name and as text, and check that they do not contradict each other. */
 #include "shear/settings.h"
 
 #include "base/cleanup.h"
@@ -10,8 +10,32 @@
 #include <stdio.h>
 #include <string.h>
 
-static void *member(shear_settings *s, const shear_setting_def *def) {
-    return (char *)s + def->offset;
+/* Return a setting as a number, which holds the values of all types exactly. */
+static double get(const shear_settings *s, const shear_setting_def *def) {
+    const void *at = (const char *)s + def->offset;
+    switch (def->type) {
+    case SHEAR_T_BOOL:
+        return *(const bool *)at ? 1.0 : 0.0;
+    case SHEAR_T_DOUBLE:
+        return *(const double *)at;
+    default:
+        return *(const int *)at;
+    }
+}
+
+static void put(shear_settings *s, const shear_setting_def *def, double value) {
+    void *at = (char *)s + def->offset;
+    switch (def->type) {
+    case SHEAR_T_BOOL:
+        *(bool *)at = value != 0.0;
+        break;
+    case SHEAR_T_DOUBLE:
+        *(double *)at = value;
+        break;
+    default:
+        *(int *)at = (int)value;
+        break;
+    }
 }
 
 /* Set all settings to a preset's values. */
@@ -19,29 +43,35 @@ static void apply_preset(shear_settings *s, enum shear_preset preset) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     memset(s, 0, sizeof *s);
-    for (size_t i = 0; i < n; i++) {
-        const double value = table[i].by_preset[preset];
-        void *at = member(s, &table[i]);
-        switch (table[i].type) {
-        case SHEAR_T_BOOL:
-            *(bool *)at = value != 0.0;
-            break;
-        case SHEAR_T_DOUBLE:
-            *(double *)at = value;
-            break;
-        default:
-            *(int *)at = (int)value;
-            break;
-        }
-    }
+    for (size_t i = 0; i < n; i++)
+        put(s, &table[i], table[i].by_preset[preset]);
 }
 
 void shear_settings_init(shear_settings *s) {
     apply_preset(s, SHEAR_PRESET_DEFAULT);
 }
 
-static int set_choice(int *value, const shear_setting_def *def, const char *text,
-                      shear_error *err) {
+/* Return whether a number is the value for the word shear_setting_auto. */
+static bool is_auto(const shear_setting_def *def, double value) {
+    return def->type == SHEAR_T_INT ? def->has_auto && value == 0.0 : isnan(value);
+}
+
+static bool in_range(const shear_setting_def *def, double value) {
+    int n = 0;
+    switch (def->type) {
+    case SHEAR_T_CHOICE:
+        while (def->choices[n] != NULL)
+            n++;
+        return value >= 0.0 && value < n;
+    case SHEAR_T_BOOL:
+        return true;
+    default:
+        return (def->has_auto && is_auto(def, value)) || (value >= def->min && value <= def->max);
+    }
+}
+
+static int parse_choice(double *value, const shear_setting_def *def, const char *text,
+                        shear_error *err) {
     for (int i = 0; def->choices[i] != NULL; i++) {
         if (spelling_same(def->choices[i], text)) {
             *value = i;
@@ -54,11 +84,12 @@ static int set_choice(int *value, const shear_setting_def *def, const char *text
                       text, known);
 }
 
-static int set_bool(bool *value, const shear_setting_def *def, const char *text, shear_error *err) {
+static int parse_bool(double *value, const shear_setting_def *def, const char *text,
+                      shear_error *err) {
     static const char *const words[] = {"false", "true", "no", "yes", "off", "on", "0", "1"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         if (strcmp(words[i], text) == 0) {
-            *value = i % 2 == 1;
+            *value = (double)(i % 2);
             return SHEAR_OK;
         }
     }
@@ -66,45 +97,23 @@ static int set_bool(bool *value, const shear_setting_def *def, const char *text,
                       def->name, text);
 }
 
-static int out_of_range(const shear_setting_def *def, const char *text, shear_error *err) {
+static int parse_number(double *value, const shear_setting_def *def, const char *text,
+                        shear_error *err) {
+    const bool whole = def->type == SHEAR_T_INT;
+    int64_t n = 0;
+    if (def->has_auto && strcmp(text, shear_setting_auto(def)) == 0) {
+        *value = whole ? 0.0 : NAN;
+        return SHEAR_OK;
+    }
+    const bool parsed = whole ? text_to_int64(text, &n) : text_to_double(text, value);
+    *value = whole ? (double)n : *value;
+    if (parsed && *value >= def->min && *value <= def->max)
+        return SHEAR_OK;
     return shear_fail(err, SHEAR_E_SETTING, NULL,
                       "setting '%s': '%s' is not %s from %g to %g%s%s%s%s", def->name, text,
-                      def->type == SHEAR_T_INT ? "a whole number" : "a number", def->min, def->max,
+                      whole ? "a whole number" : "a number", def->min, def->max,
                       def->unit[0] != '\0' ? " " : "", def->unit, def->has_auto ? ", or " : "",
                       def->has_auto ? shear_setting_auto(def) : "");
-}
-
-static int set_int(int *value, const shear_setting_def *def, const char *text, shear_error *err) {
-    int64_t parsed = 0;
-    if (def->has_auto && strcmp(text, shear_setting_auto(def)) == 0) {
-        *value = 0;
-        return SHEAR_OK;
-    }
-    if (!text_to_int64(text, &parsed) || (double)parsed < def->min || (double)parsed > def->max)
-        return out_of_range(def, text, err);
-    *value = (int)parsed;
-    return SHEAR_OK;
-}
-
-static int set_double(double *value, const shear_setting_def *def, const char *text,
-                      shear_error *err) {
-    double parsed = NAN;
-    if (def->has_auto && strcmp(text, shear_setting_auto(def)) == 0) {
-        *value = NAN;
-        return SHEAR_OK;
-    }
-    if (!text_to_double(text, &parsed) || !(parsed >= def->min) || !(parsed <= def->max))
-        return out_of_range(def, text, err);
-    *value = parsed;
-    return SHEAR_OK;
-}
-
-static int set_preset(shear_settings *s, const shear_setting_def *def, const char *text,
-                      shear_error *err) {
-    int preset = SHEAR_PRESET_DEFAULT;
-    TRY(set_choice(&preset, def, text, err));
-    apply_preset(s, (enum shear_preset)preset);
-    return SHEAR_OK;
 }
 
 static bool is_preset(const shear_setting_def *def) {
@@ -113,37 +122,20 @@ static bool is_preset(const shear_setting_def *def) {
 
 int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err) {
     const shear_setting_def *def = shear_settings_find(name);
+    double value = NAN;
     if (def == NULL) {
         return shear_fail(err, SHEAR_E_SETTING, "the settings are listed in shearctl(1)",
                           "there is no setting '%s'", name);
     }
-    switch (def->type) {
-    case SHEAR_T_CHOICE:
-        return is_preset(def) ? set_preset(s, def, text, err)
-                              : set_choice(member(s, def), def, text, err);
-    case SHEAR_T_BOOL:
-        return set_bool(member(s, def), def, text, err);
-    case SHEAR_T_INT:
-        return set_int(member(s, def), def, text, err);
-    default:
-        return set_double(member(s, def), def, text, err);
+    TRY(def->type == SHEAR_T_CHOICE ? parse_choice(&value, def, text, err)
+        : def->type == SHEAR_T_BOOL ? parse_bool(&value, def, text, err)
+                                    : parse_number(&value, def, text, err));
+    if (is_preset(def)) {
+        apply_preset(s, (enum shear_preset)value);
+    } else {
+        put(s, def, value);
     }
-}
-
-static size_t size_of(const shear_setting_def *def) {
-    return def->type == SHEAR_T_BOOL     ? sizeof(bool)
-           : def->type == SHEAR_T_DOUBLE ? sizeof(double)
-                                         : sizeof(int);
-}
-
-/* Copy the settings that have been given from `from` to *s. */
-static void keep_given(shear_settings *s, const shear_settings *from, const bool *given) {
-    size_t n = 0;
-    const shear_setting_def *table = shear_settings_table(&n);
-    for (size_t i = 0; i < n; i++) {
-        if (given[i] && !is_preset(&table[i]))
-            memcpy(member(s, &table[i]), (const char *)from + table[i].offset, size_of(&table[i]));
-    }
+    return SHEAR_OK;
 }
 
 int shear_settings_give(shear_settings *s, bool *given, const char *name, const char *text,
@@ -151,38 +143,102 @@ int shear_settings_give(shear_settings *s, bool *given, const char *name, const 
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     const shear_settings before = *s;
-    const int code = shear_settings_set(s, name, text, err);
+    TRY(shear_settings_set(s, name, text, err));
     const shear_setting_def *def = shear_settings_find(name);
-    if (code != SHEAR_OK)
-        return code;
-    if (is_preset(def))
-        keep_given(s, &before, given);
+    for (size_t i = 0; is_preset(def) && i < n; i++) {
+        if (given[i] && !is_preset(&table[i]))
+            put(s, &table[i], get(&before, &table[i]));
+    }
     given[def - table] = true;
     return SHEAR_OK;
 }
 
 char *shear_settings_format(const shear_settings *s, const shear_setting_def *def, char *buf,
                             size_t size) {
-    const void *value = (const char *)s + def->offset;
-    switch (def->type) {
-    case SHEAR_T_CHOICE:
-        text_set(buf, size, def->choices[*(const int *)value]);
-        break;
-    case SHEAR_T_BOOL:
-        text_set(buf, size, *(const bool *)value ? "true" : "false");
-        break;
-    case SHEAR_T_INT:
-        snprintf(buf, size, "%d", *(const int *)value);
-        if (def->has_auto && *(const int *)value == 0)
-            text_set(buf, size, shear_setting_auto(def));
-        break;
-    default: {
-        const double number = *(const double *)value;
-        snprintf(buf, size, "%.*g", text_digits(number, 1), number);
-        if (isnan(number))
-            text_set(buf, size, shear_setting_auto(def));
-        break;
-    }
+    const double value = get(s, def);
+    if (def->type == SHEAR_T_CHOICE) {
+        text_set(buf, size, def->choices[(int)value]);
+    } else if (def->type == SHEAR_T_BOOL) {
+        text_set(buf, size, value != 0.0 ? "true" : "false");
+    } else if (is_auto(def, value)) {
+        text_set(buf, size, shear_setting_auto(def));
+    } else if (def->type == SHEAR_T_INT) {
+        snprintf(buf, size, "%d", (int)value);
+    } else {
+        snprintf(buf, size, "%.*g", text_digits(value, 1), value);
     }
     return buf;
+}
+
+/* Check values that were set directly, not through shear_settings_set. */
+static int check_ranges(const shear_settings *s, shear_error *err) {
+    size_t n = 0;
+    const shear_setting_def *table = shear_settings_table(&n);
+    for (size_t i = 0; i < n; i++) {
+        if (!in_range(&table[i], get(s, &table[i]))) {
+            return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s' is out of range",
+                              table[i].name);
+        }
+    }
+    return SHEAR_OK;
+}
+
+static bool is_power_of_two(int n) {
+    return n > 0 && (n & (n - 1)) == 0;
+}
+
+static int check_oversample(const shear_settings *s, shear_error *err) {
+    if (s->oversample != 0 && !is_power_of_two(s->oversample)) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL,
+                          "setting 'oversample': %d is not a power of two", s->oversample);
+    }
+    if (s->interpolation == SHEAR_INTERP_NONE && s->oversample > 1) {
+        return shear_fail(err, SHEAR_E_SETTING,
+                          "choose an interpolation, or leave oversample at auto",
+                          "setting 'oversample' is %d but interpolation is none", s->oversample);
+    }
+    return SHEAR_OK;
+}
+
+static int check_filter(const shear_settings *s, shear_error *err) {
+    if (!isnan(s->core_px) && s->filter != SHEAR_FILTER_AUTO && s->filter != SHEAR_FILTER_R_GAL) {
+        return shear_fail(err, SHEAR_E_SETTING, "a core of your own goes with filter=auto",
+                          "setting 'core' contradicts filter=%s", shear_filter_name(s->filter));
+    }
+    if (!isnan(s->width_px) && s->filter == SHEAR_FILTER_NONE)
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "setting 'width' contradicts filter=none");
+    if (s->background == SHEAR_BACKGROUND_NOISE_MEAN && s->filter == SHEAR_FILTER_NONE) {
+        return shear_fail(err, SHEAR_E_SETTING,
+                          "without a filter a constant is not seen: leave it at auto",
+                          "setting 'background' contradicts filter=none");
+    }
+    return SHEAR_OK;
+}
+
+static int check_methods(const shear_settings *s, shear_error *err) {
+    if (s->pedestal > 0 && !shear_interpolation_is_rule(s->interpolation) &&
+        !shear_interpolation_is_log(s->interpolation)) {
+        return shear_fail(err, SHEAR_E_SETTING, "a pedestal is for the log methods only",
+                          "setting 'pedestal' contradicts interpolation=%s",
+                          shear_interpolation_name(s->interpolation));
+    }
+    if (s->shot_noise == SHEAR_SHOT_PLATEAU && s->interpolation != SHEAR_INTERP_NONE &&
+        !shear_interpolation_is_rule(s->interpolation)) {
+        return shear_fail(err, SHEAR_E_SETTING, "interpolation colours shot noise: set it to none",
+                          "setting 'shot-noise' is plateau but interpolation is %s",
+                          shear_interpolation_name(s->interpolation));
+    }
+    if (s->estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS && !s->noise_correction) {
+        return shear_fail(err, SHEAR_E_SETTING, "its cross terms are with the noise stamps",
+                          "setting 'estimator' is pdf-sym-cross but noise-correction is off");
+    }
+    return SHEAR_OK;
+}
+
+int shear_settings_check(const shear_settings *s, shear_error *err) {
+    static int (*const checks[])(const shear_settings *, shear_error *) = {
+        check_ranges, check_oversample, check_filter, check_methods};
+    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++)
+        TRY(checks[i](s, err));
+    return SHEAR_OK;
 }
