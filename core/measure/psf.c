@@ -47,15 +47,11 @@ int psf_check(const double *psf, int nx, int ny, double *peak, shear_error *err)
     return SHEAR_OK;
 }
 
-typedef struct psf_view {
-    const double *psf;
-    int nx, ny;
-} psf_view;
-
-static double sample(const psf_view *v, int x, int y) {
-    const int cx = x < 0 ? 0 : x >= v->nx ? v->nx - 1 : x;
-    const int cy = y < 0 ? 0 : y >= v->ny ? v->ny - 1 : y;
-    return v->psf[(long)cy * v->nx + cx];
+long psf_brightest(const double *psf, long n) {
+    long brightest = 0;
+    for (long i = 1; i < n; i++)
+        brightest = psf[i] > psf[brightest] ? i : brightest;
+    return brightest;
 }
 
 /* Cubic Hermite interpolation with central differences between b and c. */
@@ -70,7 +66,7 @@ static double cubic(double a, double b, double c, double d, double t) {
 static bool log_patch(const psf_view *v, int i, int j, double patch[4][4]) {
     for (int b = 0; b < 4; b++) {
         for (int a = 0; a < 4; a++) {
-            const double value = sample(v, i - 1 + a, j - 1 + b);
+            const double value = psf_sample(v, i - 1 + a, j - 1 + b);
             if (!(value > 0.0))
                 return false;
             patch[b][a] = log(value);
@@ -86,6 +82,11 @@ static double patch_at(double patch[4][4], double t, double u) {
     return cubic(column[0], column[1], column[2], column[3], u);
 }
 
+static double bilinear(const psf_view *v, int x, int y, double t, double u) {
+    return (1 - t) * (1 - u) * psf_sample(v, x, y) + t * (1 - u) * psf_sample(v, x + 1, y) +
+           (1 - t) * u * psf_sample(v, x, y + 1) + t * u * psf_sample(v, x + 1, y + 1);
+}
+
 /* Return ln of the PSF at (x, y), in samples: log-bicubic; if a neighbouring sample is not
  * positive, the nearest sample. */
 static double log_at(const psf_view *v, double x, double y) {
@@ -94,30 +95,24 @@ static double log_at(const psf_view *v, double x, double y) {
     double patch[4][4];
     if (log_patch(v, i, j, patch))
         return patch_at(patch, x - i, y - j);
-    const double nearest = sample(v, (int)lround(x), (int)lround(y));
+    const double nearest = psf_sample(v, (int)lround(x), (int)lround(y));
     return nearest > 0.0 ? log(nearest) : -INFINITY;
 }
 
-void psf_refine(const double *psf, int nx, int ny, int x, int y, int fine, double *out) {
-    const psf_view v = {.psf = psf, .nx = nx, .ny = ny};
+void psf_refine(const psf_view *v, int x, int y, int fine, double *out) {
     double patch[4][4];
-    const bool positive = log_patch(&v, x, y, patch);
+    const bool positive = log_patch(v, x, y, patch);
     for (int j = 0; j < fine; j++) {
         for (int i = 0; i < fine; i++) {
             const double t = (double)i / fine;
             const double u = (double)j / fine;
-            out[j * fine + i] =
-                positive
-                    ? exp(patch_at(patch, t, u))
-                    : (1 - t) * (1 - u) * sample(&v, x, y) + t * (1 - u) * sample(&v, x + 1, y) +
-                          (1 - t) * u * sample(&v, x, y + 1) + t * u * sample(&v, x + 1, y + 1);
+            out[j * fine + i] = positive ? exp(patch_at(patch, t, u)) : bilinear(v, x, y, t, u);
         }
     }
 }
 
-double psf_at(const double *psf, int nx, int ny, double x, double y) {
-    const psf_view v = {.psf = psf, .nx = nx, .ny = ny};
-    return exp(log_at(&v, x, y));
+double psf_at(const psf_view *v, double x, double y) {
+    return exp(log_at(v, x, y));
 }
 
 enum { MAX_REFINE = 32 };
@@ -133,11 +128,8 @@ static void cell_heights(const psf_view *v, int i, int j, int refine, double lev
         for (int p = 0; p <= refine; p++) {
             const double t = (double)p / refine;
             const double u = (double)q / refine;
-            height[q][p] = positive ? patch_at(patch, t, u) - log_level
-                                    : (1 - t) * (1 - u) * sample(v, i, j) +
-                                          t * (1 - u) * sample(v, i + 1, j) +
-                                          (1 - t) * u * sample(v, i, j + 1) +
-                                          t * u * sample(v, i + 1, j + 1) - level;
+            height[q][p] =
+                positive ? patch_at(patch, t, u) - log_level : bilinear(v, i, j, t, u) - level;
         }
     }
 }
@@ -181,7 +173,7 @@ static double cell_area(const psf_view *v, int i, int j, int refine, double leve
 
 /* Return the highest value near sample (x, y), by hill climbing with halved steps. */
 static double peak_near(const psf_view *v, int x, int y) {
-    double best = log(sample(v, x, y));
+    double best = log(psf_sample(v, x, y));
     double best_x = x;
     double best_y = y;
     for (double step = 0.5; step > 1e-3;) {
@@ -210,7 +202,7 @@ static int cell_side(const psf_view *v, int i, int j, double level) {
     double low = INFINITY;
     for (int b = -1; b <= 2; b++) {
         for (int a = -1; a <= 2; a++) {
-            const double value = sample(v, i + a, j + b);
+            const double value = psf_sample(v, i + a, j + b);
             high = fmax(high, value);
             low = fmin(low, value);
         }
@@ -224,10 +216,8 @@ int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *
     if (psf_check(psf, nx, ny, &largest, err) != SHEAR_OK)
         return SHEAR_E_PSF;
     const psf_view view = {.psf = psf, .nx = nx, .ny = ny};
-    long brightest = 0;
+    const long brightest = psf_brightest(psf, (long)nx * ny);
     long above = 0; /* samples above the level, about the area: they decide the refinement */
-    for (long i = 1; i < (long)nx * ny; i++)
-        brightest = psf[i] > psf[brightest] ? i : brightest;
     const double peak = peak_near(&view, (int)(brightest % nx), (int)(brightest / nx));
     const double level = exp(-0.5) * peak;
     for (long i = 0; i < (long)nx * ny; i++)

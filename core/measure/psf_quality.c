@@ -30,13 +30,9 @@ static double at(const psf_image *v, int x, int y) {
 }
 
 static psf_image psf_image_of(const double *psf, int nx, int ny) {
-    psf_image v = {.psf = psf, .nx = nx, .ny = ny};
-    size_t best = 0;
-    for (size_t i = 1; i < (size_t)nx * (size_t)ny; i++)
-        best = psf[i] > psf[best] ? i : best;
-    v.x = (int)(best % (size_t)nx);
-    v.y = (int)(best / (size_t)nx);
-    return v;
+    const long peak = psf_brightest(psf, (long)nx * ny);
+    return (psf_image){
+        .psf = psf, .nx = nx, .ny = ny, .x = (int)(peak % nx), .y = (int)(peak / nx)};
 }
 
 static double brighter(double a, double b) {

@@ -12,8 +12,8 @@ enum { PLACES = 4 };
 static const double faint = 0.02;
 
 typedef struct sampled_psf {
-    const double *psf;
-    int nx, ny, q;
+    psf_view image;
+    int q;    /* samples per pixel */
     int fine; /* places per sample, along each axis */
 } sampled_psf;
 
@@ -22,9 +22,7 @@ typedef struct cell {
 } cell;
 
 static double sample(const sampled_psf *v, int x, int y) {
-    const int cx = x < 0 ? 0 : x >= v->nx ? v->nx - 1 : x;
-    const int cy = y < 0 ? 0 : y >= v->ny ? v->ny - 1 : y;
-    return v->psf[(long)cy * v->nx + cx];
+    return psf_sample(&v->image, x, y);
 }
 
 static cell cell_of(const sampled_psf *v, int x, int y) {
@@ -32,7 +30,7 @@ static cell cell_of(const sampled_psf *v, int x, int y) {
     if (v->fine == 1) {
         c.at[0] = sample(v, x, y);
     } else {
-        psf_refine(v->psf, v->nx, v->ny, x, y, v->fine, c.at);
+        psf_refine(&v->image, x, y, v->fine, c.at);
     }
     return c;
 }
@@ -66,7 +64,7 @@ static void try_places(const sampled_psf *v, int x, int y, double least, summit 
 }
 
 static double at(const sampled_psf *v, double x, double y) {
-    return psf_at(v->psf, v->nx, v->ny, x, y);
+    return psf_at(&v->image, x, y);
 }
 
 static void try_at(const sampled_psf *v, double x, double y, double least, summit *best) {
@@ -99,8 +97,8 @@ static double excess_at(const sampled_psf *v, int x, int y, double ratio) {
 
 static double largest_ratio(const sampled_psf *v, double least) {
     summit best = {.ratio = 1.0};
-    for (int y = -1; y < v->ny; y++) { /* including places before the first sample */
-        for (int x = -1; x < v->nx; x++) {
+    for (int y = -1; y < v->image.ny; y++) { /* including places before the first sample */
+        for (int x = -1; x < v->image.nx; x++) {
             const double near = fmax(fmax(sample(v, x, y), sample(v, x + 1, y)),
                                      fmax(sample(v, x, y + 1), sample(v, x + 1, y + 1)));
             if (near > least)
@@ -113,8 +111,9 @@ static double largest_ratio(const sampled_psf *v, double least) {
 }
 
 sharpness sharpness_of(const double *psf, int nx, int ny, int q) {
-    const sampled_psf v = {
-        .psf = psf, .nx = nx, .ny = ny, .q = q, .fine = q < PLACES ? (PLACES + q - 1) / q : 1};
+    const sampled_psf v = {.image = {.psf = psf, .nx = nx, .ny = ny},
+                           .q = q,
+                           .fine = q < PLACES ? (PLACES + q - 1) / q : 1};
     double peak = 0.0;
     double sum = 0.0;
     for (long i = 0; i < (long)nx * ny; i++) {
