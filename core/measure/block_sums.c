@@ -34,6 +34,12 @@ static void weigh_components(const shear_row *row, double *x) {
         x[i] = row->weight * parts[i];
 }
 
+/* Fill in a term and the next one, its square. */
+static void put_with_square(double *terms, enum shear_term term, double x) {
+    terms[term] = x;
+    terms[term + 1] = x * x;
+}
+
 bool block_terms(const shear_row *row, double *terms) {
     double *x = terms + SHEAR_S_COMPONENT;
     weigh_components(row, x);
@@ -48,19 +54,13 @@ bool block_terms(const shear_row *row, double *terms) {
     terms[SHEAR_S_CORNER_GALAXY] = row->weight * row->corner_galaxy;
     terms[SHEAR_S_CORNER_NOISE] = row->weight * row->corner_noise;
     terms[SHEAR_S_FLUX] = row->flux;
-    terms[SHEAR_S_REMOVED] = row->flux_removed;
-    terms[SHEAR_S_REMOVED2] = row->flux_removed * row->flux_removed;
-    terms[SHEAR_S_BORDER_MEAN] = row->border_mean;
-    terms[SHEAR_S_BORDER_MEAN2] = row->border_mean * row->border_mean;
-    terms[SHEAR_S_BORDER_VAR] = row->border_var;
-    terms[SHEAR_S_BORDER_VAR2] = row->border_var * row->border_var;
     terms[SHEAR_S_BORDER_NOISE] = row->border_var_noise;
-    terms[SHEAR_S_BORDER_STEP_X] = row->border_step_x;
-    terms[SHEAR_S_BORDER_STEP_X2] = row->border_step_x * row->border_step_x;
-    terms[SHEAR_S_BORDER_STEP_Y] = row->border_step_y;
-    terms[SHEAR_S_BORDER_STEP_Y2] = row->border_step_y * row->border_step_y;
-    terms[SHEAR_S_BORDER_STEP2] = row->border_step2;
-    terms[SHEAR_S_BORDER_STEP4] = row->border_step2 * row->border_step2;
+    put_with_square(terms, SHEAR_S_REMOVED, row->flux_removed);
+    put_with_square(terms, SHEAR_S_BORDER_MEAN, row->border_mean);
+    put_with_square(terms, SHEAR_S_BORDER_VAR, row->border_var);
+    put_with_square(terms, SHEAR_S_BORDER_STEP_X, row->border_step_x);
+    put_with_square(terms, SHEAR_S_BORDER_STEP_Y, row->border_step_y);
+    put_with_square(terms, SHEAR_S_BORDER_STEP2, row->border_step2);
     bool good = true;
     for (int term = 0; term < SHEAR_N_TERMS; term++)
         good = good && fabs(terms[term]) < largest_term;

@@ -38,6 +38,10 @@ typedef struct rounded {
     shear_ratio at_level;
 } rounded;
 
+static double component(const rounded *r, int i) {
+    return r->t[SHEAR_S_COMPONENT + i];
+}
+
 static double product(const rounded *r, int i, int j) {
     return r->t[shear_term_product(i, j)];
 }
@@ -61,7 +65,7 @@ static double product_of(const rounded *r, const combination *a, const combinati
  * N_hi. */
 static combination of_level(const rounded *r) {
     combination c = {{0.0}};
-    const double noise = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
+    const double noise = component(r, SHEAR_C_HIGH_NOISE);
     if (noise > 0.0) {
         c.c[SHEAR_C_HIGH_GALAXY] = 1.0 / noise;
         c.c[SHEAR_C_HIGH_NOISE] = -r->at_level.level / noise;
@@ -74,8 +78,7 @@ static combination of_level(const rounded *r) {
  * stamps. */
 static combination of_ratio(const rounded *r, int n, int noise_n, double g) {
     const combination level = of_level(r);
-    const double by_level =
-        r->t[SHEAR_S_COMPONENT + noise_n] - g * r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D];
+    const double by_level = component(r, noise_n) - g * component(r, SHEAR_C_NOISE_D);
     combination c = {{0.0}};
     c.c[n] = 1.0;
     c.c[noise_n] = 1.0 - r->at_level.level;
@@ -86,11 +89,11 @@ static combination of_ratio(const rounded *r, int n, int noise_n, double g) {
     return c;
 }
 
-/* Compute the mean of a term over the used stamps, and the error of that mean. */
-static void mean_of(const double *t, int sum, int squares, double n, double *mean,
-                    double *mean_err) {
-    *mean = t[sum] / n;
-    const double variance = fmax(0.0, t[squares] / n - *mean * *mean);
+/* Compute the mean of a term, whose square is the next term, over the used stamps, and the error of
+ * that mean. */
+static void mean_of(const double *t, int term, double n, double *mean, double *mean_err) {
+    *mean = t[term] / n;
+    const double variance = fmax(0.0, t[term + 1] / n - *mean * *mean);
     *mean_err = sqrt(variance / (n - 1.0));
 }
 
@@ -114,8 +117,8 @@ static void fill_shear(shear_result *out, const rounded *r) {
  * from their own power, so that differing weights or depths do not count as noise; if that is
  * unknown, about the mean. */
 static double scatter_of_noise(const rounded *r, double n) {
-    const double sum = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D];
-    const double power = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
+    const double sum = component(r, SHEAR_C_NOISE_D);
+    const double power = component(r, SHEAR_C_HIGH_NOISE);
     combination c = {{0.0}};
     c.c[SHEAR_C_NOISE_D] = 1.0;
     c.c[SHEAR_C_HIGH_NOISE] = power > 0.0 ? -sum / power : 0.0;
@@ -126,8 +129,7 @@ static double scatter_of_noise(const rounded *r, double n) {
  * level, and the noise level's error. */
 static double noise_of_d(const rounded *r, double n, double level_err) {
     const double level = r->at_level.level;
-    const double by_level =
-        isfinite(level_err) ? r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] * level_err : 0.0;
+    const double by_level = isfinite(level_err) ? component(r, SHEAR_C_NOISE_D) * level_err : 0.0;
     return sqrt(2.0 * level * level * scatter_of_noise(r, n) + by_level * by_level);
 }
 
@@ -138,7 +140,7 @@ static void fill_influence(shear_result *out, const rounded *r, shear_influence 
     out->n_eff = out->sum_d * out->sum_d / product_of(r, &d, &d);
     /* `top` is a stamp's D before the noise level; if the levels differ, most of it is noise */
     out->top_size = top.size;
-    out->top_share = top.size / fmax(fabs(out->sum_d), fabs(r->t[SHEAR_S_COMPONENT + SHEAR_C_D]));
+    out->top_share = top.size / fmax(fabs(out->sum_d), fabs(component(r, SHEAR_C_D)));
     out->top_stamp = top.size > 0.0 ? top.stamp : -1;
 }
 
@@ -148,9 +150,8 @@ static void fill_shape(shear_result *out, const rounded *r) {
     static const double corners =
         (4.0 - M_PI) / (4.0 - M_PI * 9.0 / 16.0); /* fraction of all modes */
     const double corner_noise = r->t[SHEAR_S_CORNER_NOISE];
-    const double edge_noise = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE] - corner_noise;
-    const double edge_galaxy =
-        r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] - r->t[SHEAR_S_CORNER_GALAXY];
+    const double edge_noise = component(r, SHEAR_C_HIGH_NOISE) - corner_noise;
+    const double edge_galaxy = component(r, SHEAR_C_HIGH_GALAXY) - r->t[SHEAR_S_CORNER_GALAXY];
     if (corner_noise > 0.0 && edge_noise > 0.0 && edge_galaxy > 0.0) {
         const double ratio =
             r->t[SHEAR_S_CORNER_GALAXY] / corner_noise / (edge_galaxy / edge_noise);
@@ -162,10 +163,10 @@ static void fill_shape(shear_result *out, const rounded *r) {
 
 static void fill_noise(shear_result *out, const rounded *r) {
     const combination level = of_level(r);
-    out->noise_share = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] / out->sum_d;
-    if (r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] > 0.0)
-        out->high_galaxy = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] / r->t[SHEAR_S_W];
-    if (!(r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE] > 0.0))
+    out->noise_share = component(r, SHEAR_C_NOISE_D) / out->sum_d;
+    if (component(r, SHEAR_C_HIGH_GALAXY) > 0.0)
+        out->high_galaxy = component(r, SHEAR_C_HIGH_GALAXY) / r->t[SHEAR_S_W];
+    if (!(component(r, SHEAR_C_HIGH_NOISE) > 0.0))
         return;
     out->noise_level = r->at_level.level;
     out->noise_level_err = sqrt(fmax(0.0, product_of(r, &level, &level)));
@@ -178,19 +179,15 @@ static void fill_diagnostics(shear_result *r, const double *t) {
     double removed;
     double removed_err;
     r->mean_flux = t[SHEAR_S_FLUX] / n;
-    mean_of(t, SHEAR_S_REMOVED, SHEAR_S_REMOVED2, n, &removed, &removed_err);
+    mean_of(t, SHEAR_S_REMOVED, n, &removed, &removed_err);
     r->filter_removed = removed / r->mean_flux;
     r->filter_removed_err = removed_err / fabs(r->mean_flux);
-    mean_of(t, SHEAR_S_BORDER_MEAN, SHEAR_S_BORDER_MEAN2, n, &r->border_excess,
-            &r->border_excess_err);
-    mean_of(t, SHEAR_S_BORDER_VAR, SHEAR_S_BORDER_VAR2, n, &r->border_rough, &r->border_rough_err);
+    mean_of(t, SHEAR_S_BORDER_MEAN, n, &r->border_excess, &r->border_excess_err);
+    mean_of(t, SHEAR_S_BORDER_VAR, n, &r->border_rough, &r->border_rough_err);
     r->border_noise_var = t[SHEAR_S_BORDER_NOISE] / n;
-    mean_of(t, SHEAR_S_BORDER_STEP_X, SHEAR_S_BORDER_STEP_X2, n, &r->border_step_x,
-            &r->border_step_x_err);
-    mean_of(t, SHEAR_S_BORDER_STEP_Y, SHEAR_S_BORDER_STEP_Y2, n, &r->border_step_y,
-            &r->border_step_y_err);
-    mean_of(t, SHEAR_S_BORDER_STEP2, SHEAR_S_BORDER_STEP4, n, &r->border_step2,
-            &r->border_step2_err);
+    mean_of(t, SHEAR_S_BORDER_STEP_X, n, &r->border_step_x, &r->border_step_x_err);
+    mean_of(t, SHEAR_S_BORDER_STEP_Y, n, &r->border_step_y, &r->border_step_y_err);
+    mean_of(t, SHEAR_S_BORDER_STEP2, n, &r->border_step2, &r->border_step2_err);
 }
 
 const char *shear_error_method(const shear_result *r) {
@@ -228,7 +225,7 @@ static bool no_difference(const rounded *r, double n) {
     const double noise2 = product(r, SHEAR_C_NOISE_D, SHEAR_C_NOISE_D);
     const bool at_high_k = difference_at_high_k(r) < of_levels_at_high_k2;
     const double part = at_high_k && !has_flux(r, n) ? of_levels : rounding;
-    return noise2 > 0.0 ? d2 < part * part * noise2 : r->t[SHEAR_S_COMPONENT + SHEAR_C_D] == 0.0;
+    return noise2 > 0.0 ? d2 < part * part * noise2 : component(r, SHEAR_C_D) == 0.0;
 }
 
 /* Return why there is no shear; SHEAR_HAS_SHEAR if there may be one. */
@@ -247,39 +244,14 @@ static enum shear_no_shear no_shear(const shear_result *out, const rounded *r) {
 
 shear_result result_unknown(void) {
     shear_result r = {.top_stamp = -1};
-    double *const unknown[] = {&r.g1,
-                               &r.g2,
-                               &r.g1_err,
-                               &r.g2_err,
-                               &r.cov12,
-                               &r.delta_g1_err,
-                               &r.delta_g2_err,
-                               &r.signal,
-                               &r.n_eff,
-                               &r.top_share,
-                               &r.noise_level,
-                               &r.noise_level_err,
-                               &r.noise_effect,
-                               &r.noise_shape,
-                               &r.noise_shape_err,
-                               &r.noise_share,
-                               &r.high_galaxy,
-                               &r.mean_flux,
-                               &r.filter_removed,
-                               &r.filter_removed_err,
-                               &r.border_excess,
-                               &r.border_excess_err,
-                               &r.border_rough,
-                               &r.border_rough_err,
-                               &r.border_noise_var,
-                               &r.border_step_x,
-                               &r.border_step_x_err,
-                               &r.border_step_y,
-                               &r.border_step_y_err,
-                               &r.border_step2,
-                               &r.border_step2_err};
-    for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++)
-        *unknown[i] = (double)NAN;
+    r.g1 = r.g2 = r.g1_err = r.g2_err = r.cov12 = r.delta_g1_err = r.delta_g2_err = NAN;
+    r.signal = r.n_eff = r.top_share = NAN;
+    r.noise_level = r.noise_level_err = r.noise_effect = r.noise_share = r.high_galaxy = NAN;
+    r.noise_shape = r.noise_shape_err = NAN;
+    r.mean_flux = r.filter_removed = r.filter_removed_err = NAN;
+    r.border_excess = r.border_excess_err = r.border_rough = r.border_rough_err = NAN;
+    r.border_noise_var = r.border_step_x = r.border_step_x_err = NAN;
+    r.border_step_y = r.border_step_y_err = r.border_step2 = r.border_step2_err = NAN;
     return r;
 }
 
@@ -309,12 +281,12 @@ void shear_field_result(const shear_field_sums *f, shear_result *out) {
 
 noise_shape noise_shape_of(const shear_field_sums *f) {
     const rounded r = round_sums(f);
-    const double high = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
+    const double high = component(&r, SHEAR_C_HIGH_NOISE);
     if (!(high > 0.0))
         return (noise_shape){0};
-    return (noise_shape){.n1 = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_N1] / high,
-                         .n2 = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_N2] / high,
-                         .d = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] / high,
+    return (noise_shape){.n1 = component(&r, SHEAR_C_NOISE_N1) / high,
+                         .n2 = component(&r, SHEAR_C_NOISE_N2) / high,
+                         .d = component(&r, SHEAR_C_NOISE_D) / high,
                          .u = r.t[SHEAR_S_NOISE_U] / high,
                          .v = r.t[SHEAR_S_NOISE_V] / high};
 }

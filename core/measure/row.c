@@ -6,29 +6,13 @@
 #include <math.h>
 
 void row_init(shear_row *row, int64_t stamp, double weight, uint32_t flags) {
-    *row = (shear_row){.n1 = NAN,
-                       .n2 = NAN,
-                       .d = NAN,
-                       .u = NAN,
-                       .v = NAN,
-                       .m20 = NAN,
-                       .m02 = NAN,
-                       .m11 = NAN,
-                       .m4 = NAN,
-                       .flux = NAN,
-                       .snr = NAN,
-                       .flux_removed = NAN,
-                       .border_mean = NAN,
-                       .border_var = NAN,
-                       .border_var_noise = NAN,
-                       .border_step_x = NAN,
-                       .border_step_y = NAN,
-                       .border_step2 = NAN,
-                       .weight = weight,
-                       .stamp = stamp,
-                       .artefact_x = -1,
-                       .artefact_y = -1,
-                       .flags = flags};
+    *row = (shear_row){
+        .weight = weight, .stamp = stamp, .artefact_x = -1, .artefact_y = -1, .flags = flags};
+    row->n1 = row->n2 = row->d = row->u = row->v = NAN;
+    row->m20 = row->m02 = row->m11 = row->m4 = NAN;
+    row->flux = row->snr = row->flux_removed = NAN;
+    row->border_mean = row->border_var = row->border_var_noise = NAN;
+    row->border_step_x = row->border_step_y = row->border_step2 = NAN;
 }
 
 static double step2(const border *b) {
