@@ -11,6 +11,7 @@
 #pragma once
 
 #include "base/arena.h"
+#include "base/simd.h"
 
 #include <stddef.h>
 
@@ -23,6 +24,17 @@ size_t fft_padded(int n);
 static inline double fft_total(const double *lanes) {
     return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
            ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
+}
+
+/* Return the largest lane. */
+static SHEAR_INLINE double fft_largest(const double *lanes) {
+    const double a = lanes[0] > lanes[1] ? lanes[0] : lanes[1];
+    const double b = lanes[2] > lanes[3] ? lanes[2] : lanes[3];
+    const double c = lanes[4] > lanes[5] ? lanes[4] : lanes[5];
+    const double d = lanes[6] > lanes[7] ? lanes[6] : lanes[7];
+    const double ab = a > b ? a : b;
+    const double cd = c > d ? c : d;
+    return ab > cd ? ab : cd;
 }
 
 /* Eight lines: [n][FFT_LANES] each. im follows re without a gap. */

@@ -89,16 +89,6 @@ double artefact_sigma(const artefact_pair *pair) {
     return sigma;
 }
 
-static SHEAR_INLINE double largest(const double *lanes) {
-    const double a = lanes[0] > lanes[1] ? lanes[0] : lanes[1];
-    const double b = lanes[2] > lanes[3] ? lanes[2] : lanes[3];
-    const double c = lanes[4] > lanes[5] ? lanes[4] : lanes[5];
-    const double d = lanes[6] > lanes[7] ? lanes[6] : lanes[7];
-    const double ab = a > b ? a : b;
-    const double cd = c > d ? c : d;
-    return ab > cd ? ab : cd;
-}
-
 /* Return the brightest pixel of n rows of a strip. */
 static SHEAR_INLINE double brightest(const double *rows, size_t nx, size_t n) {
     double best[FFT_LANES];
@@ -109,7 +99,7 @@ static SHEAR_INLINE double brightest(const double *rows, size_t nx, size_t n) {
         for (size_t l = 0; l < FFT_LANES; l++)
             best[l] = rows[y * nx + l] > best[l] ? rows[y * nx + l] : best[l];
     }
-    return largest(best);
+    return fft_largest(best);
 }
 
 /* Return the largest (1 - part_of_pixel) p - r max(m, sky) of n rows of a strip, none of them the
@@ -136,7 +126,7 @@ static SHEAR_INLINE double most_over_mean(const double *rows, size_t nx, size_t 
             best[l] = p > best[l] ? p : best[l];
         }
     }
-    return largest(best);
+    return fft_largest(best);
 }
 
 /* Return the largest (1 - part_of_pixel) p - r m of a strip, p and m above the sky. Only rows near

@@ -62,15 +62,6 @@ static bool all_finite(const double *pixels, size_t n) {
     return i == n;
 }
 
-static double larger(double a, double b) {
-    return a > b ? a : b;
-}
-
-static double largest(const double *lanes) {
-    return larger(larger(larger(lanes[0], lanes[1]), larger(lanes[2], lanes[3])),
-                  larger(larger(lanes[4], lanes[5]), larger(lanes[6], lanes[7])));
-}
-
 static double smallest(const double *lanes) {
     double least = lanes[0];
     for (size_t l = 1; l < FFT_LANES; l++)
@@ -79,7 +70,7 @@ static double smallest(const double *lanes) {
 }
 
 void photometry_end_strip(photometry_sums *s) {
-    s->most[s->strips++] = largest(s->strip_most);
+    s->most[s->strips++] = fft_largest(s->strip_most);
     fill(s->strip_most, -INFINITY);
 }
 
@@ -94,11 +85,11 @@ photometry photometry_end(const photometry_sums *s) {
                     .noise_finite = true,
                     .galaxy_most = -INFINITY,
                     .galaxy_least = smallest(s->galaxy_least),
-                    .noise_most = largest(s->noise_most),
+                    .noise_most = fft_largest(s->noise_most),
                     .noise_least = smallest(s->noise_least),
                     .noise_mean = s->noise_origin + mean};
     for (int i = 0; i < s->strips; i++)
-        p.galaxy_most = larger(p.galaxy_most, s->most[i]);
+        p.galaxy_most = p.galaxy_most > s->most[i] ? p.galaxy_most : s->most[i];
     p.galaxy_flat = p.galaxy_most == p.galaxy_least;
     p.noise_var = p.noise_most > p.noise_least ? var : 0.0;
     /* A NaN or an infinity propagates into the sums; finite pixels of 1e308 may overflow them,

@@ -8,19 +8,28 @@
 #include <assert.h>
 #include <math.h>
 
+/* Return where column jx of a table begins. */
+static size_t column_of(const transfer_plan *p, int jx) {
+    return (size_t)(jx + p->max_jx) * p->stride;
+}
+
+static double kx2_of(const transfer_plan *p, int jx) {
+    const double ux = 2.0 * M_PI / p->nx;
+    return (ux * jx) * (ux * jx);
+}
+
 /* Fill |W_beta|^2 on the modes, with the factor of both halves and that of integrals over the
  * plane. */
 static void fill_target(transfer_plan *p) {
-    const double ux = 2.0 * M_PI / p->nx;
     const double uy = 2.0 * M_PI / p->ny;
     const double s2 = (double)p->s * p->s;
     const double norm = 1.0 / ((double)p->nx * p->ny * s2 * s2);
     for (int jy = 0; jy < (int)p->stride; jy++)
         p->ky2[jy] = jy <= p->max_jy ? (uy * jy) * (uy * jy) : INFINITY;
     for (int jx = -p->max_jx; jx <= p->max_jx; jx++) {
-        double *column = p->target + (size_t)(jx + p->max_jx) * p->stride;
+        double *column = p->target + column_of(p, jx);
         for (int jy = 0; jy < (int)p->stride; jy++) {
-            const double k2 = (ux * jx) * (ux * jx) + p->ky2[jy];
+            const double k2 = kx2_of(p, jx) + p->ky2[jy];
             column[jy] = (jy > 0 ? 2.0 : 1.0) * norm * exp(-p->beta_px * p->beta_px * k2);
         }
     }
@@ -75,12 +84,10 @@ SHEAR_SIMD static double lowest_below(const double *power, const double *ky2, si
 /* Return the isotropic cut: the smallest |k| at which |W|^2 is below the threshold, at most the
  * Nyquist circle. */
 static double find_cut(const transfer_plan *p, const transfer_scratch *t) {
-    const double ux = 2.0 * M_PI / p->nx;
     double cut2 = p->k_limit * p->k_limit;
     for (int jx = -p->max_jx; jx <= p->max_jx; jx++) {
-        const double *column = t->power + (size_t)(jx + p->max_jx) * p->stride;
-        const double low2 = lowest_below(column, p->ky2, p->stride, p->threshold);
-        const double k2 = (ux * jx) * (ux * jx) + low2;
+        const double *column = t->power + column_of(p, jx);
+        const double k2 = kx2_of(p, jx) + lowest_below(column, p->ky2, p->stride, p->threshold);
         cut2 = k2 < cut2 ? k2 : cut2;
     }
     return sqrt(cut2);
@@ -128,10 +135,9 @@ SHEAR_SIMD static void fill_column(const double *target, const double *power, co
 
 /* Compute T from |W|^2: columns [-jx, jx], whole groups of rows up to jy. */
 static void fill_table(transfer *t, const transfer_plan *p, const transfer_scratch *scratch) {
-    const double ux = 2.0 * M_PI / p->nx;
     for (int jx = -t->jx; jx <= t->jx; jx++) {
-        const size_t column = (size_t)(jx + p->max_jx) * p->stride;
-        fill_column(p->target + column, scratch->power + column, p->ky2, (ux * jx) * (ux * jx),
+        const size_t column = column_of(p, jx);
+        fill_column(p->target + column, scratch->power + column, p->ky2, kx2_of(p, jx),
                     inside_cut(t->k_cut), fft_padded(t->jy + 1), t->t + column);
     }
 }
@@ -165,18 +171,14 @@ SHEAR_SIMD static double farthest(const double *t, const double *ky2, double kx2
  * transforms. */
 static double find_reach(const transfer *t, const transfer_plan *p) {
     static const double nothing = 1e-15;
-    const double ux = 2.0 * M_PI / p->nx;
     const size_t n = (size_t)t->jy + 1;
     double most = 0.0;
     double k2 = 0.0;
-    for (int jx = -t->jx; jx <= t->jx; jx++) {
-        const double *column = t->t + (size_t)(jx + p->max_jx) * p->stride;
-        most = fmax(most, largest_weight(column, p->ky2, (ux * jx) * (ux * jx), n));
-    }
-    for (int jx = -t->jx; jx <= t->jx; jx++) {
-        const double *column = t->t + (size_t)(jx + p->max_jx) * p->stride;
-        k2 = fmax(k2, farthest(column, p->ky2, (ux * jx) * (ux * jx), n, nothing * most));
-    }
+    for (int jx = -t->jx; jx <= t->jx; jx++)
+        most = fmax(most, largest_weight(t->t + column_of(p, jx), p->ky2, kx2_of(p, jx), n));
+    const double least = nothing * most;
+    for (int jx = -t->jx; jx <= t->jx; jx++)
+        k2 = fmax(k2, farthest(t->t + column_of(p, jx), p->ky2, kx2_of(p, jx), n, least));
     return sqrt(k2);
 }
 
@@ -190,12 +192,10 @@ SHEAR_SIMD static void end_column(const double *ky2, double kx2, double reach2, 
 /* Set T = 0 beyond its reach. Modes of the same |k| as the farthest one are kept like it, however
  * they round. */
 static void end_table(transfer *t, const transfer_plan *p) {
-    const double ux = 2.0 * M_PI / p->nx;
     const double reach2 = t->k_reach * t->k_reach * (1.0 + 0x1p-46);
-    for (int jx = -t->jx; jx <= t->jx; jx++) {
-        end_column(p->ky2, (ux * jx) * (ux * jx), reach2, fft_padded(t->jy + 1),
-                   t->t + (size_t)(jx + p->max_jx) * p->stride);
-    }
+    const size_t n = fft_padded(t->jy + 1);
+    for (int jx = -t->jx; jx <= t->jx; jx++)
+        end_column(p->ky2, kx2_of(p, jx), reach2, n, t->t + column_of(p, jx));
 }
 
 static int last_mode(double k_cut, int n, int max_j) {
