@@ -11,13 +11,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double bright_sigma =
-    6.5; /* of p - r m: 3e-7 false alarms in 64 x 64 px of white noise */
+/* Of p - r m: 3e-7 false alarms in 64 x 64 px of white noise. */
+static const double bright_sigma = 6.5;
 static const double dark_sigma = 6.6;     /* 2e-7, likewise */
 static const double part_of_pixel = 0.03; /* relative error of a PSF image that is tolerated */
 static const double part_of_peak = 1e-3;  /* rounding and periodicity in faint places */
-static const double dark_part =
-    0.01; /* of the peak: negative wings from interpolation or aliasing */
+/* Of the peak: negative wings from interpolation or aliasing. */
+static const double dark_part = 0.01;
 static const double sky_electrons = 5.0; /* the smallest noise of a pixel that is assumed */
 static const double sigma_of_mad = 1.4826;
 

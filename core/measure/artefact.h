@@ -31,8 +31,8 @@ typedef struct artefact_pair {
     const double *galaxy, *noise; /* [ny][nx], finite */
     int nx, ny;
     const photometry *ph;
-    const double
-        *strip_most; /* brightest pixel of each strip of the galaxy stamp: see photometry_begin */
+    /* brightest pixel of each strip of the galaxy stamp: see photometry_begin */
+    const double *strip_most;
 } artefact_pair;
 
 /* The place of an artefact; x = -1: there is none. */

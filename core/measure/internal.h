@@ -49,12 +49,11 @@ struct shear_workspace {
     filter_pair filter; /* if it differs from stamp to stamp */
     transfer_scratch psf_scratch; /* if each stamp has its own PSF */
     transfer transfer;
-    double strip_most[SHEAR_MAX_SIDE /
-                      FFT_LANES]; /* brightest pixel of each strip of the galaxy stamp */
-    sharpness sharpness;          /* if each stamp has its own PSF: ... */
-    const double *sharpness_of;   /* ... of this image, in this batch; NULL: none */
-    const double
-        *transfer_of; /* the PSF image that `transfer` was made from, in this batch; NULL: none */
+    /* brightest pixel of each strip of the galaxy stamp */
+    double strip_most[SHEAR_MAX_SIDE / FFT_LANES];
+    sharpness sharpness;        /* if each stamp has its own PSF: ... */
+    const double *sharpness_of; /* ... of this image, in this batch; NULL: none */
+    const double *transfer_of;  /* the image that `transfer` was made from; NULL: none */
 };
 
 /* Pack a pair as galaxy + i noise on the fine grid, filter it, and transform it along y into

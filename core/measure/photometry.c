@@ -138,8 +138,8 @@ static bool all_floats(const double *pixels, size_t n) {
 bool photometry_is_rounding(const double *pixels, size_t n, double least, double most,
                             double peak) {
     static const double of_doubles = 64.0; /* spacings: more than transforms round */
-    static const double of_floats =
-        3.0; /* spacings, so four adjacent floats: noise with an rms of less than half a spacing */
+    /* spacings, so four adjacent floats: noise with an rms of less than half a spacing */
+    static const double of_floats = 3.0;
     const double range = most - least;
     const double size = fmax(fabs(least), fabs(most));
     if (range <= of_doubles * spacing(fmax(size, fabs(peak)), DBL_MANT_DIG))
@@ -212,10 +212,8 @@ static double third_difference(const double *sums, int n, int across) {
     const int half = n / 2;
     const double n_outer = (double)across * quarter;
     const double n_inner = (double)across * (half - quarter);
-    const double farther =
-        (double)(n - quarter) /
-        (n - quarter -
-         half); /* distance of the outer strips from the centre over that of the inner ones */
+    /* distance of the outer strips from the centre over that of the inner ones */
+    const double farther = (double)(n - quarter) / (n - quarter - half);
     const double third = (sums[0] - sums[4]) / n_outer - farther * (sums[1] - sums[3]) / n_inner;
     const double variance = 2.0 / n_outer + farther * farther * 2.0 / n_inner;
     return third / sqrt(variance * across * n);

@@ -25,9 +25,9 @@ typedef struct photometry {
 typedef struct photometry_sums {
     const double *galaxy, *noise; /* [ny][nx] */
     int nx, ny;
-    double galaxy_origin,
-        noise_origin; /* values that the sums are taken about; until the first pixel is added, the
-                         caller may set them closer to the background */
+    /* values that the sums are taken about; until the first pixel is added, the caller may set them
+     * closer to the background */
+    double galaxy_origin, noise_origin;
     double galaxy_sum[FFT_LANES], noise_sum[FFT_LANES], noise_squares[FFT_LANES];
     double strip_most[FFT_LANES]; /* of the galaxy's pixels since the last photometry_end_strip */
     double galaxy_least[FFT_LANES], noise_most[FFT_LANES], noise_least[FFT_LANES];

@@ -17,8 +17,8 @@ typedef struct radial {
     double *j0, *j1, *j2; /* [n_k][n_r] Bessel functions of k r */
     double *target;       /* [n_k] k^3 |W_beta|^2 / |W|^2 */
     double r_psf, beta;
-    double *profile,
-        *lensed; /* [n_r] the galaxy, and what a shear adds: the factor of cos(2 phi) */
+    /* [n_r] the galaxy, and what a shear adds: the factor of cos(2 phi) */
+    double *profile, *lensed;
     double *filtered, *changed; /* [n_r] scratch */
     double unfiltered;          /* the response without a filter */
 } radial;

@@ -147,8 +147,8 @@ static void fill_influence(shear_result *out, const rounded *r, shear_influence 
 /* Compare the level beyond Nyquist with that below it. Each band's error is that of all modes,
  * scaled up for its fewer modes. */
 static void fill_shape(shear_result *out, const rounded *r) {
-    static const double corners =
-        (4.0 - M_PI) / (4.0 - M_PI * 9.0 / 16.0); /* fraction of all modes */
+    /* fraction of all modes */
+    static const double corners = (4.0 - M_PI) / (4.0 - M_PI * 9.0 / 16.0);
     const double corner_noise = r->t[SHEAR_S_CORNER_NOISE];
     const double edge_noise = component(r, SHEAR_C_HIGH_NOISE) - corner_noise;
     const double edge_galaxy = component(r, SHEAR_C_HIGH_GALAXY) - r->t[SHEAR_S_CORNER_GALAXY];

@@ -7,10 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum {
-    PER_BIN = SHEAR_SYMMETRY_FEWEST,
-    MAX_ITERATIONS = 20 /* of both components */
-};
+enum { PER_BIN = SHEAR_SYMMETRY_FEWEST, MAX_ITERATIONS = 20 /* of both components */ };
 
 /* Set groups and integer weights. Return false if no weight is positive. */
 static bool set_weights(symmetry_solver *v) {
@@ -63,9 +60,8 @@ static bool alternate(symmetry_solver *v) {
 static int covariance(symmetry_solver *v, double *cov12, shear_error *err) {
     assert(v->components[0].slope > 0.0 && v->components[1].slope > 0.0);
     const size_t nb = (size_t)v->bins;
-    CLEANUP(release_free)
-    int64_t *joint =
-        calloc(nb * nb, sizeof *joint); /* w^2 with the product of the signs, by both bins */
+    /* w^2 with the product of the signs, by both bins */
+    CLEANUP(release_free) int64_t *joint = calloc(nb * nb, sizeof *joint);
     if (joint == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu bins", nb * nb);
     int bin[2] = {0, 0};

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 
 static const double widest = 1.0; /* largest |g| */
-static const double scatter =
-    0.3; /* fraction of the weight that changes sides within the range of the responses */
+/* Fraction of the weight that changes sides within the range of the responses. */
+static const double scatter = 0.3;
 static const double guess_tolerance = 1e-6;
 
 static void place(symmetry_solver *v, arena *a) {

@@ -23,10 +23,10 @@ enum shear_code {
     SHEAR_E_NOMEM = 1,  /**< out of memory */
     SHEAR_E_IO = 2,     /**< the system could not open, read or write */
     SHEAR_E_FORMAT = 3, /**< the file, or the arrays, are not a valid field */
-    SHEAR_E_SETTING =
-        4,            /**< a setting is unknown, ill-typed, out of range or contradicts another */
-    SHEAR_E_BETA = 5, /**< the target PSF is too narrow for this PSF and sampling */
-    SHEAR_E_PSF = 6,  /**< the PSF image is unusable (not finite, no flux, no peak) */
+    /** A setting is unknown, ill-typed, out of range or contradicts another. */
+    SHEAR_E_SETTING = 4,
+    SHEAR_E_BETA = 5,      /**< the target PSF is too narrow for this PSF and sampling */
+    SHEAR_E_PSF = 6,       /**< the PSF image is unusable (not finite, no flux, no peak) */
     SHEAR_E_NEGATIVE = 7,  /**< negative pixels for a log interpolation without a pedestal */
     SHEAR_E_EXISTS = 8,    /**< the output exists and must not be replaced */
     SHEAR_E_CANCELLED = 9, /**< the caller's callback requested a stop */

@@ -79,8 +79,8 @@ typedef struct shear_field_info {
     bool gzipped;       /**< the whole file is; if the parts are in several files, any of them */
     int64_t file_bytes; /**< bytes on disk, of all files */
     bool separate;      /**< the parts are not those of one field file */
-    int64_t
-        hdu[SHEAR_N_PARTS]; /**< of each part (enum shear_part), from 0; -1: the part is absent */
+    /** HDU of each part (enum shear_part), from 0; -1: the part is absent. */
+    int64_t hdu[SHEAR_N_PARTS];
 } shear_field_info;
 
 /** Open and check a field file. SHEAR_E_IO (cannot open, not a regular file, no space for a
@@ -122,11 +122,11 @@ typedef struct shear_block {
     double *psf;         /**< [capacity][psf_ny][psf_nx], or NULL with SHEAR_PSF_ONE */
     int32_t *psf_index;  /**< [capacity], or NULL with SHEAR_PSF_ONE */
     int64_t *psf_id;     /**< [capacity] scratch: the number in the file of each PSF image */
-    int64_t
-        *id;    /**< [capacity] column ID, or NULL if the file does not have it; so for all below */
-    double *x;  /**< [capacity] column X */
-    double *y;  /**< [capacity] column Y */
-    double *ra; /**< [capacity] column RA */
+    /** [capacity] column ID, or NULL if the file does not have it; so for all below. */
+    int64_t *id;
+    double *x;      /**< [capacity] column X */
+    double *y;      /**< [capacity] column Y */
+    double *ra;     /**< [capacity] column RA */
     double *dec;    /**< [capacity] column DEC */
     double *weight; /**< [capacity] column WEIGHT */
     double *r_gal;  /**< [capacity] column R_GAL */

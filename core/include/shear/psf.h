@@ -22,18 +22,18 @@ extern "C" {
  * the image is too small to measure it. */
 typedef struct shear_psf_quality {
     double r_psf_px; /**< shear_psf_radius() */
-    double
-        border; /**< mean of the samples at the rim: about as far from the peak as the nearest edge
-                   of the image, or as the last samples that are not 0 if all beyond is exactly 0 */
+    /** Mean of the samples at the rim: about as far from the peak as the nearest edge of the image,
+     * or as the last samples that are not 0 if all beyond is exactly 0. */
+    double border;
     double rim_px;     /**< distance of the rim from the peak */
     double border_err; /**< error of `border`, from `noise` */
-    double
-        border_slope; /**< the level falls like r^-slope near the rim; about 0 for a pedestal,
-                         +INFINITY if the rim is not above 0, NaN if its level is below 3 errors */
+    /** The level falls like r^-slope near the rim; about 0 for a pedestal, +INFINITY if the rim is
+     * not above 0, NaN if its level is below 3 errors. */
+    double border_slope;
     double cut; /**< fraction of the flux beyond the rim, if the level continues so; NaN if slope
                    < 2.2 */
-    double
-        noise; /**< noise of a sample near the rim over the flux of a pixel-sized sample, per px */
+    /** Noise of a sample near the rim over the flux of a pixel-sized sample, per px. */
+    double noise;
     double sampling; /**< samples per R_PSF */
     double lowest;   /**< the most negative sample; 0 if there is none */
 } shear_psf_quality;
@@ -76,9 +76,9 @@ typedef struct shear_psf_summary {
     int64_t looked_at; /**< number of images; 0: nothing is known */
     int64_t unusable;  /**< images that are unusable; the members below are of the others */
     int64_t flawed[SHEAR_N_PSF_FLAWS]; /**< number of images with each flaw */
-    shear_psf_quality
-        worst; /**< the worst of each member: the largest |border| with what belongs to it, the
-                  largest cut and noise, the smallest sampling, the lowest sample */
+    /** The worst of each member: the largest |border| with what belongs to it, the largest cut and
+     * noise, the smallest sampling, the lowest sample. */
+    shear_psf_quality worst;
 } shear_psf_summary;
 /** Add one image to the summary. q: its quality, or NULL if it is unusable. */
 void shear_psf_summary_add(shear_psf_summary *s, const shear_psf_quality *q, double beta_px);

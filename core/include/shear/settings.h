@@ -53,9 +53,9 @@ enum shear_filter {
 
 /** How a background is removed (docs/method.md section 2). */
 enum shear_background {
-    SHEAR_BACKGROUND_AUTO =
-        0,                 /**< NOISE_MEAN with a filter; without one a constant has no effect */
-    SHEAR_BACKGROUND_KEEP, /**< not at all */
+    /** NOISE_MEAN with a filter; without one a constant has no effect. */
+    SHEAR_BACKGROUND_AUTO = 0,
+    SHEAR_BACKGROUND_KEEP,      /**< not at all */
     SHEAR_BACKGROUND_NOISE_MEAN /**< the noise stamp's mean is subtracted from the galaxy stamp, and
                                    its own level from itself */
 };

@@ -25,20 +25,20 @@ enum {
 
 /** Why a stamp is left out of the field's sums. A row may have several flags. */
 enum shear_flag {
-    SHEAR_FLAG_GALAXY_NOT_FINITE = 1u
-                                   << 0, /**< a NaN, infinite or BLANK pixel in the galaxy stamp */
+    /** A NaN, infinite or BLANK pixel in the galaxy stamp. */
+    SHEAR_FLAG_GALAXY_NOT_FINITE = 1u << 0,
     SHEAR_FLAG_NOISE_NOT_FINITE = 1u << 1, /**< the same in the noise stamp */
     SHEAR_FLAG_MASKED = 1u << 2,           /**< CATALOG.FLAGS is not zero */
     SHEAR_FLAG_EMPTY = 1u << 3,            /**< all pixels of the galaxy stamp are equal */
-    SHEAR_FLAG_PSF_UNUSABLE =
-        1u << 4, /**< its PSF is not finite, has no flux, is too wide for beta, or is missing */
+    /** Its PSF is not finite, has no flux, is too wide for beta, or is missing. */
+    SHEAR_FLAG_PSF_UNUSABLE = 1u << 4,
     SHEAR_FLAG_BAD_WEIGHT = 1u << 5, /**< CATALOG.WEIGHT is not a weight: shear_weight_is_good() */
-    SHEAR_FLAG_BAD_R_GAL =
-        1u << 6, /**< the filter needs CATALOG.R_GAL; it is not positive and finite */
+    /** The filter needs CATALOG.R_GAL; it is not positive and finite. */
+    SHEAR_FLAG_BAD_R_GAL = 1u << 6,
     SHEAR_FLAG_OVERFLOW = 1u << 7, /**< the pixels are finite, but their moments or sums are not */
-    SHEAR_FLAG_ARTEFACT =
-        1u << 8, /**< a pixel of the galaxy stamp that cannot be sky light: sharper than the PSF,
-                    below the sky, or in a saturated flat top (docs/method.md section 8) */
+    /** A pixel of the galaxy stamp that cannot be sky light: sharper than the PSF, below the sky,
+     * or in a saturated flat top (docs/method.md section 8). */
+    SHEAR_FLAG_ARTEFACT = 1u << 8,
     SHEAR_FLAG_NOISE_ARTEFACT = 1u << 9 /**< the same in the noise stamp */
 };
 /** Numbers of flags. */

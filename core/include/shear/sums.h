@@ -64,8 +64,8 @@ shear_ratio shear_ratio_of(const double x[SHEAR_N_COMPONENTS]);
 enum shear_term {
     SHEAR_S_W,         /**< w */
     SHEAR_S_COMPONENT, /**< w x_i, in the order of enum shear_component */
-    SHEAR_S_PRODUCT =
-        SHEAR_S_COMPONENT + SHEAR_N_COMPONENTS,         /**< w^2 x_i x_j: shear_term_product() */
+    /** w^2 x_i x_j: shear_term_product(). */
+    SHEAR_S_PRODUCT = SHEAR_S_COMPONENT + SHEAR_N_COMPONENTS,
     SHEAR_S_POWER = SHEAR_S_PRODUCT + SHEAR_N_PRODUCTS, /**< w (M20 + M02) */
     SHEAR_S_NOISE_U,                                    /**< w noise_u */
     SHEAR_S_NOISE_V,                                    /**< w noise_v */
