@@ -12,6 +12,7 @@
 #define SHEAR_ARRAYS_H
 
 #include "shear/error.h"
+#include "shear/linkage.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/stamp.h"
@@ -20,9 +21,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** The type of a pixel in memory, in the machine's byte order and aligned for the type. */
 enum shear_pixel_type {
@@ -103,8 +102,6 @@ int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
                          const shear_settings *settings, const shear_arrays_options *options,
                          shear_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

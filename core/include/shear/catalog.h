@@ -16,12 +16,11 @@
 
 #include "shear/error.h"
 #include "shear/field.h"
+#include "shear/linkage.h"
 #include "shear/plan.h"
 #include "shear/sums.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** A catalog that is being written. */
 typedef struct shear_catalog shear_catalog;
@@ -83,8 +82,6 @@ int shear_catalog_read(shear_catalog_table **t, const char *path, shear_error *e
 /** Free the table. NULL is accepted. */
 void shear_catalog_table_free(shear_catalog_table *t);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

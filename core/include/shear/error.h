@@ -11,11 +11,11 @@
 #ifndef SHEAR_ERROR_H
 #define SHEAR_ERROR_H
 
+#include "shear/linkage.h"
+
 #include <stdarg.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** What went wrong. */
 enum shear_code {
@@ -54,8 +54,6 @@ int shear_fail(shear_error *err, int code, const char *advice, const char *forma
 int shear_prefix(shear_error *err, int code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

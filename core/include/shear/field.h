@@ -14,6 +14,7 @@
 
 #include "shear/error.h"
 #include "shear/input.h"
+#include "shear/linkage.h"
 #include "shear/plan.h"
 #include "shear/stamp.h"
 
@@ -21,9 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** An open field file. */
 typedef struct shear_field shear_field;
@@ -250,8 +249,6 @@ int shear_field_finish(shear_field_writer *w, shear_error *err);
 /** Abandon the file: remove its temporary file and free w. NULL is accepted. */
 void shear_field_abort(shear_field_writer *w);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

@@ -12,12 +12,12 @@
 #ifndef SHEAR_INPUT_H
 #define SHEAR_INPUT_H
 
+#include "shear/linkage.h"
+
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** The parts of a field. */
 enum shear_part {
@@ -55,8 +55,6 @@ enum {
  * the order of the parts, cut to `size` bytes. Return buf. */
 char *shear_input_text(const shear_input *input, char *buf, size_t size);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

@@ -16,14 +16,13 @@
 #define SHEAR_PLAN_H
 
 #include "shear/error.h"
+#include "shear/linkage.h"
 #include "shear/psf.h"
 #include "shear/settings.h"
 #include "shear/stamp.h"
 #include "shear/sums.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** A plan; immutable. */
 typedef struct shear_plan shear_plan;
@@ -213,8 +212,6 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
 /** Free the images. An inspection that is all zero is accepted. */
 void shear_inspection_deinit(shear_inspection *out);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

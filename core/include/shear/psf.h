@@ -11,12 +11,11 @@
 #define SHEAR_PSF_H
 
 #include "shear/error.h"
+#include "shear/linkage.h"
 
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** The quality of an image. Lengths in galaxy pixels, levels in units of the brightest sample. NaN:
  * the image is too small to measure it. */
@@ -83,8 +82,6 @@ typedef struct shear_psf_summary {
 /** Add one image to the summary. q: its quality, or NULL if it is unusable. */
 void shear_psf_summary_add(shear_psf_summary *s, const shear_psf_quality *q, double beta_px);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

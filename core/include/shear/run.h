@@ -10,15 +10,14 @@
 #include "shear/catalog.h"
 #include "shear/error.h"
 #include "shear/field.h"
+#include "shear/linkage.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
 #include "shear/symmetry.h"
 #include "shear/work.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** A source of PSF images. */
 typedef struct shear_psf_source {
@@ -92,8 +91,6 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
                     const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
                     shear_run_report *report, shear_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

@@ -12,13 +12,12 @@
 #define SHEAR_SETTINGS_H
 
 #include "shear/error.h"
+#include "shear/linkage.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** Sets of values for all settings. */
 enum shear_preset {
@@ -195,8 +194,6 @@ bool shear_interpolation_is_rule(enum shear_interpolation interpolation);
 /** Return true for the three methods that interpolate ln(pixel). */
 bool shear_interpolation_is_log(enum shear_interpolation interpolation);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

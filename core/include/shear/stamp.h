@@ -9,12 +9,12 @@
 #ifndef SHEAR_STAMP_H
 #define SHEAR_STAMP_H
 
+#include "shear/linkage.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** Limits of stamps. */
 enum {
@@ -123,8 +123,6 @@ typedef struct shear_row {
     uint32_t flags;       /**< bits of enum shear_flag; 0 = in the sums */
 } shear_row;
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

@@ -16,6 +16,7 @@
 #define SHEAR_SUMS_H
 
 #include "shear/error.h"
+#include "shear/linkage.h"
 #include "shear/settings.h"
 #include "shear/stamp.h"
 
@@ -23,9 +24,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** Sizes of sums. */
 enum {
@@ -237,8 +236,6 @@ int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear
  * SHEAR_E_SETTING if there are fewer blocks than groups. */
 int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

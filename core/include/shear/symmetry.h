@@ -35,14 +35,13 @@
 #define SHEAR_SYMMETRY_H
 
 #include "shear/error.h"
+#include "shear/linkage.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
 
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** Numbers of the symmetry. */
 enum {
@@ -95,8 +94,6 @@ int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, s
 int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
                    const shear_symmetry *terms, shear_result *out, shear_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

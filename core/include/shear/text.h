@@ -12,11 +12,11 @@
 #ifndef SHEAR_TEXT_H
 #define SHEAR_TEXT_H
 
+#include "shear/linkage.h"
+
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** Return the length in bytes of the character at the beginning of `text` if it is shown as it is;
  * 0 if it is not, and at the end. */
@@ -26,8 +26,6 @@ size_t shear_text_shown(const char *text);
  * byte that is not UTF-8. Text that does not fit is cut off between characters. Return buf. */
 char *shear_text_clean(const char *text, char *buf, size_t size);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif

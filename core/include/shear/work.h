@@ -15,13 +15,12 @@
 
 #include "shear/error.h"
 #include "shear/field.h"
+#include "shear/linkage.h"
 #include "shear/plan.h"
 #include "shear/sums.h"
 #include "shear/symmetry.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SHEAR_BEGIN_C
 
 /** A source of stamps. */
 typedef struct shear_source {
@@ -124,8 +123,6 @@ int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums);
 int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
                           shear_symmetry *terms, int64_t *next_block, shear_error *err);
 
-#ifdef __cplusplus
-}
-#endif
+SHEAR_END_C
 
 #endif
