@@ -76,16 +76,14 @@ static bool make_twiddles(fft_plan *plan) {
  * ones take several times as long. */
 static bool make_other(fft_plan *plan) {
     const size_t points = (size_t)plan->n * FFT_LANES;
-    fftw_complex *in = allocate(points * sizeof *in);
-    fftw_complex *out = allocate(points * sizeof *out);
-    if (in != NULL && out != NULL) {
-        pthread_mutex_lock(&planner);
-        plan->other = fftw_plan_many_dft(1, &plan->n, FFT_LANES, in, NULL, FFT_LANES, 1, out, NULL,
-                                         FFT_LANES, 1, FFTW_FORWARD, FFTW_ESTIMATE);
-        pthread_mutex_unlock(&planner);
-    }
+    fftw_complex *in = allocate(2 * points * sizeof *in);
+    if (in == NULL)
+        return false;
+    pthread_mutex_lock(&planner);
+    plan->other = fftw_plan_many_dft(1, &plan->n, FFT_LANES, in, NULL, FFT_LANES, 1, in + points,
+                                     NULL, FFT_LANES, 1, FFTW_FORWARD, FFTW_ESTIMATE);
+    pthread_mutex_unlock(&planner);
     free(in);
-    free(out);
     return plan->other != NULL;
 }
 

@@ -76,11 +76,17 @@ void shear_field_sums_set_top(shear_field_sums *f, shear_influence top) {
     f->top = top;
 }
 
-void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
-    f->n_stamps += b->n_stamps;
-    f->n_used += b->n_used;
+/* Add or subtract (sign -1) numbers of stamps. */
+static void count(shear_field_sums *f, int sign, int64_t n_stamps, int64_t n_used,
+                  const int64_t *flagged) {
+    f->n_stamps += sign * n_stamps;
+    f->n_used += sign * n_used;
     for (int i = 0; i < SHEAR_N_FLAGS; i++)
-        f->flagged[i] += b->flagged[i];
+        f->flagged[i] += sign * flagged[i];
+}
+
+void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
+    count(f, 1, b->n_stamps, b->n_used, b->flagged);
     for (int i = 0; i < SHEAR_N_TERMS; i++) {
         exact_add(f->sums, i, b->hi[i]);
         exact_add(f->sums, i, b->lo[i]);
@@ -89,19 +95,13 @@ void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
 }
 
 void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
-    f->n_stamps += g->n_stamps;
-    f->n_used += g->n_used;
-    for (int i = 0; i < SHEAR_N_FLAGS; i++)
-        f->flagged[i] += g->flagged[i];
+    count(f, 1, g->n_stamps, g->n_used, g->flagged);
     exact_join(f->sums, g->sums, SHEAR_N_TERMS);
     f->top = larger(f->top, g->top);
 }
 
 void shear_field_sums_subtract(shear_field_sums *f, const shear_field_sums *g) {
-    f->n_stamps -= g->n_stamps;
-    f->n_used -= g->n_used;
-    for (int i = 0; i < SHEAR_N_FLAGS; i++)
-        f->flagged[i] -= g->flagged[i];
+    count(f, -1, g->n_stamps, g->n_used, g->flagged);
     exact_leave(f->sums, g->sums, SHEAR_N_TERMS);
     if (!(f->top.size > g->top.size))
         f->top = (shear_influence){.size = NAN, .stamp = -1};

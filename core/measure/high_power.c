@@ -81,12 +81,9 @@ static SHEAR_INLINE void add_column(lane_power *s, const mode_rows *r, size_t x,
     const size_t mirror = ((size_t)r->nx - x) * FFT_LANES;
 #pragma omp simd
     for (size_t l = 0; l < FFT_LANES; l++) {
-        const double gr = r->up.re[at + l] + r->down.re[mirror + l];
-        const double gi = r->up.im[at + l] - r->down.im[mirror + l];
-        const double nr = r->up.im[at + l] + r->down.im[mirror + l];
-        const double ni = r->up.re[at + l] - r->down.re[mirror + l];
-        const double galaxy = gr * gr + gi * gi;
-        const double noise = nr * nr + ni * ni;
+        const mode z = mode_at(r, at + l, mirror + l);
+        const double galaxy = (z.a + z.c) * (z.a + z.c) + (z.b - z.d) * (z.b - z.d);
+        const double noise = (z.b + z.d) * (z.b + z.d) + (z.a - z.c) * (z.a - z.c);
         if (edge != NULL) {
             s->edge_galaxy[l] += edge[l] * galaxy;
             s->edge_noise[l] += edge[l] * noise;

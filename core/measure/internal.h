@@ -42,11 +42,11 @@ struct shear_workspace {
     surface galaxy, noise;
     fft_lanes strip;    /* [fine_ny + 1][FFT_LANES] galaxy + i noise, a strip of columns */
     fft_lanes lanes[3]; /* [longer side + 1][FFT_LANES] for transforms */
-    double level,
-        noise_level;    /* subtracted from galaxy and noise stamp before the filter; 0: nothing */
-    double *modes;      /* the pair, transformed along y: see pack.c */
-    size_t lane_size;   /* size of one part of `modes` */
-    filter_pair filter; /* if it differs from stamp to stamp */
+    /* subtracted from galaxy and noise stamp before the filter; 0: nothing */
+    double level, noise_level;
+    double *modes;                /* the pair, transformed along y: see pack.c */
+    size_t lane_size;             /* size of one part of `modes` */
+    filter_pair filter;           /* if it differs from stamp to stamp */
     transfer_scratch psf_scratch; /* if each stamp has its own PSF */
     transfer transfer;
     /* brightest pixel of each strip of the galaxy stamp */

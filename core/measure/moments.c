@@ -102,14 +102,10 @@ SHEAR_SIMD static void moments_of_lanes(const lane_sums *sums, double ux, double
 
 /* Add the sums of rows [first, first + FFT_LANES) to the moments. */
 static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p, int first) {
-    double lanes[6][FFT_LANES];
+    double lanes[N_MOMENTS][FFT_LANES];
     moments_of_lanes(sums, 2.0 * M_PI / p->nx, 2.0 * M_PI / p->ny, first, lanes);
-    m->m20 += fft_total(lanes[0]);
-    m->m02 += fft_total(lanes[1]);
-    m->m11 += fft_total(lanes[2]);
-    m->m4 += fft_total(lanes[3]);
-    m->u += fft_total(lanes[4]);
-    m->v += fft_total(lanes[5]);
+    for (int i = 0; i < N_MOMENTS; i++)
+        m->each[i] += fft_total(lanes[i]);
 }
 
 /* Return T at (0, jy). */
@@ -156,10 +152,6 @@ moments moments_of_flat(const transfer_plan *p, const transfer *t) {
 }
 
 void moments_join(moments *m, double factor, const moments *other) {
-    m->m20 += factor * other->m20;
-    m->m02 += factor * other->m02;
-    m->m11 += factor * other->m11;
-    m->m4 += factor * other->m4;
-    m->u += factor * other->u;
-    m->v += factor * other->v;
+    for (int i = 0; i < N_MOMENTS; i++)
+        m->each[i] += factor * other->each[i];
 }

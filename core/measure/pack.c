@@ -75,6 +75,16 @@ SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level,
     }
 }
 
+/* A pair while it is packed. */
+typedef struct packing {
+    const shear_plan *plan;
+    shear_workspace *ws;
+    const filter_map *filter; /* NULL: none */
+    bool levelled;            /* both stamps lose a level before the filter */
+    const transfer *transfer;
+    photometry_sums sums;
+} packing;
+
 /* The place of a strip, and the range of its rows that are not zero. */
 typedef struct strip {
     int x0, skip; /* the first `skip` columns belong to the strip before, too */
@@ -82,42 +92,42 @@ typedef struct strip {
 } strip;
 
 /* Return strip i. The last one ends at the last column, so some columns may be packed twice. */
-static strip strip_at(const shear_plan *plan, const filter_map *filter, int i) {
+static strip strip_at(const packing *p, int i) {
+    const filter_map *filter = p->filter;
     const int left = i * FFT_LANES;
-    const int last = plan->info.fine_nx - FFT_LANES;
+    const int last = p->plan->info.fine_nx - FFT_LANES;
     const int x0 = left < last ? left : last;
     return (strip){.x0 = x0,
                    .skip = left - x0,
                    .y0 = filter != NULL ? filter->strip_y0[i] : 0,
-                   .y1 = filter != NULL ? filter->strip_y1[i] : plan->info.fine_ny};
+                   .y1 = filter != NULL ? filter->strip_y1[i] : p->plan->info.fine_ny};
 }
 
 /* Pack a strip from pixels, with their photometry; if strips overlap, with that of the new columns
  * only. */
-static void pack_strip(const shear_plan *plan, shear_workspace *ws, photometry_sums *sums,
-                       const filter_map *filter, const strip *st) {
-    const enum filtering filtering = filter == NULL                                    ? PLAIN
-                                     : shear_settings_keep_background(&plan->settings) ? FILTERED
-                                                                                       : LEVELLED;
+static void pack_strip(packing *p, const strip *st) {
     photometry_sums twice;
     if (st->skip > 0)
-        twice = *sums;
-    pack_columns(st->skip == 0 ? sums : &twice, filter != NULL ? filter->value : NULL, filtering,
-                 (size_t)st->x0, (size_t)st->y0, (size_t)st->y1, ws->strip);
+        twice = p->sums;
+    pack_columns(st->skip > 0 ? &twice : &p->sums, p->filter != NULL ? p->filter->value : NULL,
+                 p->filter == NULL ? PLAIN
+                 : p->levelled     ? LEVELLED
+                                   : FILTERED,
+                 (size_t)st->x0, (size_t)st->y0, (size_t)st->y1, p->ws->strip);
     if (st->skip > 0)
-        photometry_add(sums, st->x0, st->skip, st->y0, st->y1);
+        photometry_add(&p->sums, st->x0, st->skip, st->y0, st->y1);
 }
 
 /* Pack a strip from interpolated images. */
-static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-                              const strip *st) {
-    const surface_grid *g = &plan->grid;
+static void interpolate_strip(const packing *p, const strip *st) {
+    const surface_grid *g = &p->plan->grid;
+    shear_workspace *ws = p->ws;
     surface_strip(&ws->galaxy, g, st->x0, st->y0, st->y1, ws->strip.re);
-    if (plan->settings.noise_correction)
+    if (p->plan->settings.noise_correction)
         surface_strip(&ws->noise, g, st->x0, st->y0, st->y1, ws->strip.im);
-    if (filter != NULL) {
-        filter_lanes(filter->value + st->x0, ws->level, ws->noise_level, (size_t)g->fine_nx, st->y0,
-                     st->y1, ws->strip);
+    if (p->filter != NULL) {
+        filter_lanes(p->filter->value + st->x0, ws->level, ws->noise_level, (size_t)g->fine_nx,
+                     st->y0, st->y1, ws->strip);
     }
 }
 
@@ -127,19 +137,19 @@ static void clear_lanes(double *lanes, int y0, int y1) {
 }
 
 /* Make a strip and transform it along y. */
-static fft_lanes transform_strip(const shear_plan *plan, shear_workspace *ws, photometry_sums *sums,
-                                 const filter_map *filter, const strip *st) {
-    const int ny = plan->info.fine_ny;
-    if (plan->grid.x.kind == AXIS_NONE) {
-        pack_strip(plan, ws, sums, filter, st);
+static fft_lanes transform_strip(packing *p, const strip *st) {
+    const int ny = p->plan->info.fine_ny;
+    const fft_lanes out = p->ws->strip;
+    if (p->plan->grid.x.kind == AXIS_NONE) {
+        pack_strip(p, st);
     } else {
-        interpolate_strip(plan, ws, filter, st);
+        interpolate_strip(p, st);
     }
-    clear_lanes(ws->strip.re, 0, st->y0);
-    clear_lanes(ws->strip.re, st->y1, ny);
-    clear_lanes(ws->strip.im, 0, plan->settings.noise_correction ? st->y0 : ny);
-    clear_lanes(ws->strip.im, st->y1, ny);
-    return fft_run(plan->along_y, ws->strip.re, ws->strip.im, FFT_LANES, ws->lanes[0], ws->strip);
+    clear_lanes(out.re, 0, st->y0);
+    clear_lanes(out.re, st->y1, ny);
+    clear_lanes(out.im, 0, p->plan->settings.noise_correction ? st->y0 : ny);
+    clear_lanes(out.im, st->y1, ny);
+    return fft_run(p->plan->along_y, out.re, out.im, FFT_LANES, p->ws->lanes[0], out);
 }
 
 /* Rows jy of a group and their mirror images -jy, transformed along y only. */
@@ -157,17 +167,17 @@ static void close_period(fft_lanes lanes, int n) {
 }
 
 /* Transpose a strip's modes from [jy][x] to [x][jy], for the groups of rows that are needed. */
-static void transpose_strip(const shear_plan *plan, shear_workspace *ws, fft_lanes from, int x0,
-                            const transfer *t) {
+static void transpose_strip(const packing *p, fft_lanes from, int x0) {
     const size_t to = (size_t)x0 * FFT_LANES;
-    close_period(from, plan->info.fine_ny);
-    for (int group = 0; group <= mode_groups_last(plan, t); group++) {
-        if (!mode_groups_want(plan, t, group))
+    const int ny = p->plan->info.fine_ny;
+    close_period(from, ny);
+    for (int group = 0; group <= mode_groups_last(p->plan, p->transfer); group++) {
+        if (!mode_groups_want(p->plan, p->transfer, group))
             continue;
         const size_t up = (size_t)group * BLOCK;
-        const size_t down = (size_t)plan->info.fine_ny * FFT_LANES - up;
-        const fft_lanes rows = group_lanes(ws, group, UP);
-        const fft_lanes mirrored = group_lanes(ws, group, DOWN);
+        const size_t down = (size_t)ny * FFT_LANES - up;
+        const fft_lanes rows = group_lanes(p->ws, group, UP);
+        const fft_lanes mirrored = group_lanes(p->ws, group, DOWN);
         fft_transpose(from.re + up, FFT_LANES, rows.re + to);
         fft_transpose(from.im + up, FFT_LANES, rows.im + to);
         fft_transpose(from.re + down, -FFT_LANES, mirrored.re + to);
@@ -193,50 +203,50 @@ static bool load_pair(const shear_plan *plan, shear_workspace *ws, const double 
 }
 
 /* Set the levels that both stamps lose before the filter: see photometry_level. */
-static void set_levels(shear_workspace *ws, const shear_geometry *g, const double *galaxy,
-                       const double *noise, bool wanted, bool own_levels) {
+static void set_levels(packing *p, const double *galaxy, const double *noise, bool own_levels) {
+    const shear_geometry *g = &p->plan->info.geometry;
+    shear_workspace *ws = p->ws;
     ws->level = ws->noise_level = 0.0;
-    if (wanted) {
+    if (p->levelled) {
         const sky_level below = photometry_level(noise, g->nx, g->ny, galaxy);
-        ws->noise_level = below.own;
-        ws->level = own_levels ? photometry_level(galaxy, g->nx, g->ny, noise).own : below.mean;
+        p->sums.noise_origin = ws->noise_level = below.own;
+        p->sums.galaxy_origin = ws->level =
+            own_levels ? photometry_level(galaxy, g->nx, g->ny, noise).own : below.mean;
     }
 }
 
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_pair *filters,
                const double *galaxy, const double *noise, bool own_levels, const transfer *t,
                photometry *ph, pack_failure *failure) {
-    const filter_map *filter = filters != NULL ? &filters->fine : NULL;
     const shear_geometry *g = &plan->info.geometry;
     const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
-    const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);
-    photometry_sums sums;
-    photometry_begin(&sums, galaxy, noise, g->nx, g->ny, ws->strip_most);
+    packing p = {.plan = plan,
+                 .ws = ws,
+                 .filter = filters != NULL ? &filters->fine : NULL,
+                 .levelled = filters != NULL && !shear_settings_keep_background(&plan->settings),
+                 .transfer = t};
+    photometry_begin(&p.sums, galaxy, noise, g->nx, g->ny, ws->strip_most);
     if (!as_pixels)
         *ph = photometry_of(galaxy, noise, g->nx, g->ny, ws->strip_most);
-    set_levels(ws, g, galaxy, noise, levels, own_levels);
-    if (levels) {
-        sums.noise_origin = ws->noise_level;
-        sums.galaxy_origin = ws->level;
-    }
+    set_levels(&p, galaxy, noise, own_levels);
     if (!load_pair(plan, ws, galaxy, noise, failure))
         return false;
     for (int i = 0; i * FFT_LANES < plan->info.fine_nx; i++) {
-        const strip st = strip_at(plan, filter, i);
+        const strip st = strip_at(&p, i);
         if (as_pixels && st.y1 - st.y0 < g->ny) {
-            photometry_add(&sums, st.x0, st.skip, 0, st.y0);
-            photometry_add(&sums, st.x0, st.skip, st.y1, g->ny);
+            photometry_add(&p.sums, st.x0, st.skip, 0, st.y0);
+            photometry_add(&p.sums, st.x0, st.skip, st.y1, g->ny);
         }
         if (st.y0 < st.y1) {
-            transpose_strip(plan, ws, transform_strip(plan, ws, &sums, filter, &st), st.x0, t);
+            transpose_strip(&p, transform_strip(&p, &st), st.x0);
         } else {
             clear_columns(ws, st.x0, mode_groups_last(plan, t));
         }
         if (as_pixels)
-            photometry_end_strip(&sums);
+            photometry_end_strip(&p.sums);
     }
     if (as_pixels)
-        *ph = photometry_end(&sums);
+        *ph = photometry_end(&p.sums);
     return true;
 }
 

@@ -5,12 +5,12 @@
 #include "base/cleanup.h"
 #include "measure/block_sums.h"
 
+#include <endian.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { N_DOUBLES = 7, BYTES_OF_DOUBLE = 8 };
-_Static_assert(N_DOUBLES *BYTES_OF_DOUBLE == SHEAR_SYMMETRY_BYTES, "the bytes of a stamp");
+enum { N_DOUBLES = SHEAR_SYMMETRY_BYTES / sizeof(uint64_t) };
 _Static_assert(sizeof(symmetry_terms) == N_DOUBLES * sizeof(double), "seven doubles, no padding");
 
 int shear_symmetry_new(shear_symmetry **out, shear_error *err) {
@@ -78,41 +78,25 @@ void shear_symmetry_powers(const shear_symmetry *s, double *weight, double *d) {
     }
 }
 
-/* Store a double as 8 bytes, the lowest first. */
-static void put_double(double value, unsigned char *out) {
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    for (int i = 0; i < BYTES_OF_DOUBLE; i++)
-        out[i] = (unsigned char)(bits >> (8 * i));
-}
-
-static double get_double(const unsigned char *in) {
-    uint64_t bits = 0;
-    for (int i = 0; i < BYTES_OF_DOUBLE; i++)
-        bits |= (uint64_t)in[i] << (8 * i);
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
+/* Copy n doubles from the machine's order of bytes to the lowest first, or back. */
+static void convert(const void *from, size_t n, void *to) {
+    for (size_t i = 0; i < n; i++) {
+        uint64_t bits;
+        memcpy(&bits, (const char *)from + i * sizeof bits, sizeof bits);
+        bits = htole64(bits);
+        memcpy((char *)to + i * sizeof bits, &bits, sizeof bits);
+    }
 }
 
 void shear_symmetry_bytes(const shear_symmetry *s, size_t from, unsigned char *out) {
-    for (size_t i = from; i < s->n; i++) {
-        double values[N_DOUBLES];
-        memcpy(values, &s->stamps[i], sizeof values);
-        for (int k = 0; k < N_DOUBLES; k++, out += BYTES_OF_DOUBLE)
-            put_double(values[k], out);
-    }
+    if (from < s->n)
+        convert(s->stamps + from, (s->n - from) * N_DOUBLES, out);
 }
 
 static bool read_terms(const unsigned char *bytes, symmetry_terms *t) {
-    double values[N_DOUBLES];
-    bool good = true;
-    for (int k = 0; k < N_DOUBLES; k++, bytes += BYTES_OF_DOUBLE) {
-        values[k] = get_double(bytes);
-        good = good && isfinite(values[k]);
-    }
-    memcpy(t, values, sizeof *t);
-    return good && t->weight >= 0.0;
+    convert(bytes, N_DOUBLES, t);
+    return isfinite(t->n1) && isfinite(t->n2) && isfinite(t->d) && isfinite(t->u) &&
+           isfinite(t->v) && isfinite(t->weight) && isfinite(t->excess) && t->weight >= 0.0;
 }
 
 int shear_symmetry_add_bytes(shear_symmetry *s, const unsigned char *bytes, size_t size,

@@ -17,7 +17,3 @@ struct shear_symmetry {
     symmetry_terms *stamps; /* [capacity], n in use */
     size_t n, capacity;
 };
-
-/* shear_symmetry_solve for terms from which their excess times `shape` is subtracted. */
-int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, shear_result *out,
-                   shear_error *err);

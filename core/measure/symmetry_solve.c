@@ -58,35 +58,31 @@ static bool alternate(symmetry_solver *v) {
 
 /* Compute the covariance of the two components: a stamp moves each by its score over the slope. */
 static int covariance(symmetry_solver *v, double *cov12, shear_error *err) {
-    assert(v->components[0].slope > 0.0 && v->components[1].slope > 0.0);
+    const solver_component *one = &v->components[0];
+    const solver_component *two = &v->components[1];
+    assert(one->slope > 0.0 && two->slope > 0.0);
     const size_t nb = (size_t)v->bins;
     /* w^2 with the product of the signs, by both bins */
     CLEANUP(release_free) int64_t *joint = calloc(nb * nb, sizeof *joint);
     if (joint == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu bins", nb * nb);
-    int bin[2] = {0, 0};
-    const sign_histogram h[2] = {{.bins = v->bins, .edge = v->components[0].edge},
-                                 {.bins = v->bins, .edge = v->components[1].edge}};
+    const sign_histogram h1 = {.bins = v->bins, .edge = one->edge};
+    const sign_histogram h2 = {.bins = v->bins, .edge = two->edge};
     for (size_t i = 0; i < v->s->n; i++) {
         const symmetry_terms t = symmetry_solver_terms(v, i);
-        const double g1 = v->components[0].g;
-        const double g2 = v->components[1].g;
-        const double value[2] = {t.n1 - g1 * (t.d + t.u) - g2 * t.v,
-                                 t.n2 - g2 * (t.d - t.u) - g1 * t.v};
+        const double value1 = t.n1 - one->g * (t.d + t.u) - two->g * t.v;
+        const double value2 = t.n2 - two->g * (t.d - t.u) - one->g * t.v;
+        const size_t bin1 = (size_t)sign_histogram_bin(&h1, fabs(value1));
+        const size_t bin2 = (size_t)sign_histogram_bin(&h2, fabs(value2));
         const int64_t w = v->weight[i];
-        bin[0] = sign_histogram_bin(&h[0], fabs(value[0]));
-        bin[1] = sign_histogram_bin(&h[1], fabs(value[1]));
-        joint[(size_t)bin[0] * nb + (size_t)bin[1]] +=
-            (value[0] > 0.0) == (value[1] > 0.0) ? w * w : -w * w;
+        joint[bin1 * nb + bin2] += (value1 > 0.0) == (value2 > 0.0) ? w * w : -w * w;
     }
     double sum = 0.0;
     for (size_t i = 0; i < nb; i++) {
-        for (size_t k = 0; k < nb; k++) {
-            sum += v->components[0].scores.all[i] * v->components[1].scores.all[k] *
-                   (double)joint[i * nb + k];
-        }
+        for (size_t k = 0; k < nb; k++)
+            sum += one->scores.all[i] * two->scores.all[k] * (double)joint[i * nb + k];
     }
-    *cov12 = sum / (v->components[0].slope * v->components[1].slope);
+    *cov12 = sum / (one->slope * two->slope);
     return SHEAR_OK;
 }
 
@@ -110,8 +106,9 @@ static bool hopeless(const shear_result *mean) {
            !(mean->why == SHEAR_NO_SIGNAL && mean->signal >= least_signal);
 }
 
-int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, shear_result *out,
-                   shear_error *err) {
+/* Solve for terms from which their excess times `shape` is subtracted. */
+static int solve_corrected(const shear_symmetry *s, int bins, const noise_shape *shape,
+                           shear_result *out, shear_error *err) {
     if (bins < 0 || bins > SHEAR_SYMMETRY_MAX_BINS) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "%d bins: 1 to %d are possible", bins,
                           SHEAR_SYMMETRY_MAX_BINS);
@@ -136,7 +133,7 @@ int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, 
 
 int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, shear_error *err) {
     const noise_shape none = {0};
-    return symmetry_solve(s, bins, &none, out, err);
+    return solve_corrected(s, bins, &none, out, err);
 }
 
 int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
@@ -147,7 +144,7 @@ int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
         return SHEAR_OK;
     symmetric = *out;
     const noise_shape shape = noise_shape_of(sums);
-    TRY(symmetry_solve(terms, 0, &shape, &symmetric, err));
+    TRY(solve_corrected(terms, 0, &shape, &symmetric, err));
     *out = symmetric;
     out->estimator = estimator;
     return SHEAR_OK;
