@@ -60,18 +60,15 @@ double exact_value(const exact_sum *sums, int i) {
     const size_t bits = mpz_sizeinbase(sums[i].units, 2);
     if (mpz_sgn(sums[i].units) == 0)
         return 0.0;
-    /* Round to 53 bits: add half a unit in the last place to the magnitude, then truncate. */
+    /* Round the magnitude to 53 bits: truncate to one more, add that last one, and halve. */
     const mp_bitcnt_t drop = bits > MANTISSA_BITS ? bits - MANTISSA_BITS : 0;
     mpz_t top;
     mpz_init(top);
     mpz_abs(top, sums[i].units);
     if (drop > 0) {
-        mpz_t half;
-        mpz_init_set_ui(half, 1);
-        mpz_mul_2exp(half, half, drop - 1);
-        mpz_add(top, top, half);
-        mpz_fdiv_q_2exp(top, top, drop);
-        mpz_clear(half);
+        mpz_fdiv_q_2exp(top, top, drop - 1);
+        mpz_add_ui(top, top, 1);
+        mpz_fdiv_q_2exp(top, top, 1);
     }
     const double magnitude = ldexp(mpz_get_d(top), (int)drop + LOWEST_EXPONENT);
     mpz_clear(top);

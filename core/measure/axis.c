@@ -7,34 +7,22 @@
 #include <math.h>
 #include <string.h>
 
-static axis_weights linear_weights(double t) {
-    return (axis_weights){.a = 1.0 - t, .b = t};
-}
-
-/* Cubic Hermite basis: eq. (15) of Zhang (2010), and its derivatives at the cell's ends, in one
- * dimension. */
-static axis_weights hermite_weights(double t) {
-    const double u = 1.0 - t;
-    return (axis_weights){.a = (1.0 + 2.0 * t) * u * u,
-                          .b = t * t * (3.0 - 2.0 * t),
-                          .c = t * u * u,
-                          .d = -t * t * u};
-}
-
-/* Zhang (2010), eq. (18), with unit spacing: a = H, b = K, c = U, d = V. */
-static axis_weights spline_weights(double t) {
-    const double h = 1.0 - t;
-    return (axis_weights){.a = h, .b = t, .c = (h * h * h - h) / 6.0, .d = (t * t * t - t) / 6.0};
-}
-
 static axis_weights weights(enum axis_kind kind, double t) {
+    const double u = 1.0 - t;
     switch (kind) {
     case AXIS_CUBIC:
-        return hermite_weights(t);
+        /* Cubic Hermite basis: eq. (15) of Zhang (2010), and its derivatives at the cell's ends, in
+         * one dimension. */
+        return (axis_weights){.a = (1.0 + 2.0 * t) * u * u,
+                              .b = t * t * (3.0 - 2.0 * t),
+                              .c = t * u * u,
+                              .d = -t * t * u};
     case AXIS_SPLINE:
-        return spline_weights(t);
+        /* Zhang (2010), eq. (18), with unit spacing: a = H, b = K, c = U, d = V. */
+        return (axis_weights){
+            .a = u, .b = t, .c = (u * u * u - u) / 6.0, .d = (t * t * t - t) / 6.0};
     default:
-        return linear_weights(t);
+        return (axis_weights){.a = u, .b = t};
     }
 }
 

@@ -32,10 +32,9 @@ struct shear_plan {
 
 /* Return the settings of the request, or the defaults. */
 shear_settings plan_settings(const shear_plan_request *request);
-/* Fill *info and *psf_factor, by which the PSF's samples are refined. `set` comes from
- * plan_settings. Errors as of shear_plan_new. */
+/* Fill *info. `set` comes from plan_settings. Errors as of shear_plan_new. */
 int plan_resolve(shear_plan_info *info, const shear_settings *set,
-                 const shear_plan_request *request, int *psf_factor, shear_error *err);
+                 const shear_plan_request *request, shear_error *err);
 
 struct shear_workspace {
     void *memory; /* of all arrays */

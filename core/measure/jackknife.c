@@ -73,21 +73,19 @@ static component_sums sum_blocks(const shear_jackknife *j, size_t from, size_t t
     return sum;
 }
 
-static component_sums without(const component_sums *all, component_sums some) {
-    for (int k = 0; k < SHEAR_N_COMPONENTS; k++)
-        some.x[k] = all->x[k] - some.x[k];
-    return some;
-}
+/* A shear. */
+typedef struct shear_pair {
+    double g1, g2;
+} shear_pair;
 
-/* Compute the shear without group g. */
-static void leave_out(const shear_jackknife *j, const component_sums *all, size_t g, double *g1,
-                      double *g2) {
+/* Return the shear without group g. */
+static shear_pair leave_out(const shear_jackknife *j, const component_sums *all, size_t g) {
     const size_t groups = (size_t)j->groups;
-    const component_sums rest =
-        without(all, sum_blocks(j, g * j->n / groups, (g + 1) * j->n / groups));
+    component_sums rest = sum_blocks(j, g * j->n / groups, (g + 1) * j->n / groups);
+    for (int k = 0; k < SHEAR_N_COMPONENTS; k++)
+        rest.x[k] = all->x[k] - rest.x[k];
     const shear_ratio ratio = shear_ratio_of(rest.x);
-    *g1 = ratio.n1 / ratio.d;
-    *g2 = ratio.n2 / ratio.d;
+    return (shear_pair){.g1 = ratio.n1 / ratio.d, .g2 = ratio.n2 / ratio.d};
 }
 
 int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err) {
@@ -99,23 +97,20 @@ int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_er
             groups, SHEAR_BLOCK, j->n);
     }
     const component_sums all = sum_blocks(j, 0, j->n);
-    double mean1 = 0.0;
-    double mean2 = 0.0;
+    shear_pair mean = {0};
     double s11 = 0.0;
     double s22 = 0.0;
     double s12 = 0.0;
-    double g1;
-    double g2;
     for (size_t g = 0; g < groups; g++) {
-        leave_out(j, &all, g, &g1, &g2);
-        mean1 += g1 / (double)groups;
-        mean2 += g2 / (double)groups;
+        const shear_pair left = leave_out(j, &all, g);
+        mean.g1 += left.g1 / (double)groups;
+        mean.g2 += left.g2 / (double)groups;
     }
     for (size_t g = 0; g < groups; g++) { /* their scatter about the mean */
-        leave_out(j, &all, g, &g1, &g2);
-        s11 += (g1 - mean1) * (g1 - mean1);
-        s22 += (g2 - mean2) * (g2 - mean2);
-        s12 += (g1 - mean1) * (g2 - mean2);
+        const shear_pair left = leave_out(j, &all, g);
+        s11 += (left.g1 - mean.g1) * (left.g1 - mean.g1);
+        s22 += (left.g2 - mean.g2) * (left.g2 - mean.g2);
+        s12 += (left.g1 - mean.g1) * (left.g2 - mean.g2);
     }
     const double factor = (double)(groups - 1) / (double)groups;
     out->jackknife = j->groups;

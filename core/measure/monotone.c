@@ -6,9 +6,10 @@
 
 enum { MAX_STEPS = 60 };
 
-double monotone_find_root(const monotone *f, double low, double high, double tolerance) {
-    double at_low = f->at(f->context, low);
-    double at_high = f->at(f->context, high);
+double monotone_find_root(double (*function)(void *context, double x), void *context, double low,
+                          double high, double tolerance) {
+    double at_low = function(context, low);
+    double at_high = function(context, high);
     assert(low < high && at_low > 0.0 && at_high <= 0.0);
     double x = low;
     for (int i = 0, side = 0; i < MAX_STEPS && high - low > tolerance; i++) {
@@ -18,7 +19,7 @@ double monotone_find_root(const monotone *f, double low, double high, double tol
         x = fmax(low + margin, fmin(high - margin, x));
         if (fabs(x - before) < tolerance)
             break;
-        const double at = f->at(f->context, x);
+        const double at = function(context, x);
         if (at > 0.0) {
             low = x;
             at_low = at;

@@ -10,7 +10,7 @@
  * 0. */
 static const double psf_rounding = 1e-4;
 
-static void place_grids(shear_plan *plan, int psf_factor, arena *a) {
+static void place_grids(shear_plan *plan, arena *a) {
     const shear_plan_info *info = &plan->info;
     const shear_settings *set = &plan->settings;
     const shear_geometry *g = &info->geometry;
@@ -24,6 +24,7 @@ static void place_grids(shear_plan *plan, int psf_factor, arena *a) {
                           .beta_px = info->beta_px,
                           .threshold = set->psf_threshold,
                           .power_tolerance = set->power_tolerance};
+    const int psf_factor = info->psf_oversample / g->psf_oversample;
     const enum shear_interpolation psf_method =
         psf_factor > 1 ? info->interpolation : SHEAR_INTERP_NONE;
     surface_grid_place(&plan->grid, g->nx, g->ny, info->interpolation, info->oversample, set->zeros,
@@ -45,10 +46,10 @@ static void place_filter(shear_plan *plan, arena *a) {
 }
 
 /* Place the plan's tables, and fill all but the transfer unless the arena only counts. */
-static void place(shear_plan *plan, int psf_factor, arena *a) {
+static void place(shear_plan *plan, arena *a) {
     const shear_geometry *g = &plan->info.geometry;
     const enum shear_noise_band band = plan->info.noise_band;
-    place_grids(plan, psf_factor, a);
+    place_grids(plan, a);
     place_filter(plan, a);
     if (band != SHEAR_NOISE_BAND_NONE)
         high_band_place(&plan->high, g->nx, g->ny, band == SHEAR_NOISE_BAND_CORNERS, a);
@@ -58,13 +59,13 @@ static void place(shear_plan *plan, int psf_factor, arena *a) {
 }
 
 /* Return false if out of memory. */
-static bool make_tables(shear_plan *plan, int psf_factor) {
+static bool make_tables(shear_plan *plan) {
     arena a = {0};
-    place(plan, psf_factor, &a);
+    place(plan, &a);
     plan->memory = arena_allocate(&a);
     if (plan->memory == NULL)
         return false;
-    place(plan, psf_factor, &a);
+    place(plan, &a);
     transfer_plan *tp = &plan->transfer_plan;
     plan->along_x = fft_plan_new(plan->info.fine_nx);
     plan->along_y = fft_plan_new(plan->info.fine_ny);
@@ -109,10 +110,9 @@ static int check_limit(shear_plan *plan, shear_error *err) {
 }
 
 /* Resolve the request. */
-static int begin(shear_plan *plan, const shear_plan_request *request, int *psf_factor,
-                 shear_error *err) {
+static int begin(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
     *plan = (shear_plan){.settings = plan_settings(request), .has_psf = request->psf != NULL};
-    return plan_resolve(&plan->info, &plan->settings, request, psf_factor, err);
+    return plan_resolve(&plan->info, &plan->settings, request, err);
 }
 
 int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_error *err) {
@@ -120,9 +120,8 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
     CLEANUP(shear_plan_release) shear_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL)
         return out_of_memory(err);
-    int psf_factor = 1;
-    TRY(begin(plan, request, &psf_factor, err));
-    if (!make_tables(plan, psf_factor))
+    TRY(begin(plan, request, err));
+    if (!make_tables(plan))
         return out_of_memory(err);
     TRY(request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
@@ -132,13 +131,12 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
 
 int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, shear_error *err) {
     shear_plan plan;
-    int psf_factor = 1;
     *memory = (shear_memory){0};
-    TRY(begin(&plan, request, &psf_factor, err));
+    TRY(begin(&plan, request, err));
     transfer_scratch scratch;
     arena of_plan = {0};
     arena of_planning = {0};
-    place(&plan, psf_factor, &of_plan);
+    place(&plan, &of_plan);
     transfer_scratch_place(&scratch, &plan.transfer_plan, &of_planning);
     *memory = (shear_memory){.plan = shear_plan_bytes(&plan),
                              .planning = plan.has_psf ? (int64_t)of_planning.used : 0,

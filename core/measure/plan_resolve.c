@@ -34,8 +34,9 @@ static int check_geometry(const shear_geometry *g, shear_error *err) {
 
 /* Check that the PSF's fine image and its transform fit, too; this also keeps nx q far from
  * overflow. */
-static int check_psf_size(const shear_plan_info *info, int factor, shear_error *err) {
+static int check_psf_size(const shear_plan_info *info, shear_error *err) {
     const shear_geometry *g = &info->geometry;
+    const int factor = info->psf_oversample / g->psf_oversample;
     const double q = info->psf_oversample;
     const double samples = (double)g->psf_nx * factor * g->psf_ny * factor;
     const double modes = 0.5 * g->nx * fmin(q, info->oversample) * g->ny * q;
@@ -71,8 +72,7 @@ static enum shear_interpolation choose_interpolation(const shear_settings *set,
 
 /* Resolve interpolation, s and the PSF's sampling. A PSF that is sampled finer than the pixels is
  * used as it is, if its samples are no further apart than its radius. */
-static int resolve_sampling(const shear_settings *set, shear_plan_info *info, int *psf_factor,
-                            shear_error *err) {
+static int resolve_sampling(const shear_settings *set, shear_plan_info *info, shear_error *err) {
     const double r = info->r_psf_px;
     info->interpolation = set->interpolation;
     if (shear_interpolation_is_rule(set->interpolation))
@@ -88,10 +88,9 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, in
     info->oversample = none ? 1 : set->oversample > 0 ? set->oversample : finest_needed(r);
     const int given = info->geometry.psf_oversample;
     const bool fine_enough = given > 1 && r * given >= well_sampled_px;
-    *psf_factor = 1;
-    while (!none && !fine_enough && given * *psf_factor < info->oversample)
-        *psf_factor *= 2;
-    info->psf_oversample = given * *psf_factor;
+    info->psf_oversample = given;
+    while (!none && !fine_enough && info->psf_oversample < info->oversample)
+        info->psf_oversample *= 2;
     info->fine_nx = info->geometry.nx * info->oversample;
     info->fine_ny = info->geometry.ny * info->oversample;
     if ((double)info->fine_nx * info->fine_ny > max_fine_points) {
@@ -100,7 +99,7 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, in
                           "a fine grid of %d x %d points (oversample %d) is too large",
                           info->fine_nx, info->fine_ny, info->oversample);
     }
-    return check_psf_size(info, *psf_factor, err);
+    return check_psf_size(info, err);
 }
 
 static bool filter_by_rule(const shear_settings *set) {
@@ -198,12 +197,12 @@ static int resolve_radii(const shear_settings *set, shear_plan_info *info,
 }
 
 int plan_resolve(shear_plan_info *info, const shear_settings *set,
-                 const shear_plan_request *request, int *psf_factor, shear_error *err) {
+                 const shear_plan_request *request, shear_error *err) {
     info->geometry = request->geometry;
     TRY(shear_settings_check(set, err));
     TRY(check_geometry(&info->geometry, err));
     TRY(resolve_radii(set, info, request, err));
-    TRY(resolve_sampling(set, info, psf_factor, err));
+    TRY(resolve_sampling(set, info, err));
     info->noise_band = resolve_noise_band(set, info);
     return resolve_filter(set, info, request, err);
 }

@@ -140,17 +140,12 @@ static double triangle(double a, double b, double c) {
     const int above = (a > 0) + (b > 0) + (c > 0);
     if (above == 0 || above == 3)
         return above == 3 ? 1.0 : 0.0;
-    /* Swap the corner that is alone on its side to a. */
-    const int lone_sign = above == 1 ? 1 : 0;
-    if ((b > 0) == lone_sign) {
-        const double swap = a;
-        a = b;
-        b = swap;
-    } else if ((c > 0) == lone_sign) {
-        const double swap = a;
-        a = c;
-        c = swap;
-    }
+    /* Let a be the corner that is alone on its side. */
+    const bool lone_side = above == 1;
+    if ((b > 0) == lone_side)
+        return triangle(b, a, c);
+    if ((c > 0) == lone_side)
+        return triangle(c, a, b);
     const double part = a / (a - b) * (a / (a - c));
     return above == 1 ? part : 1.0 - part;
 }

@@ -35,17 +35,13 @@ static psf_image psf_image_of(const double *psf, int nx, int ny) {
         .psf = psf, .nx = nx, .ny = ny, .x = (int)(peak % nx), .y = (int)(peak / nx)};
 }
 
-static double brighter(double a, double b) {
-    return a > b ? a : b;
-}
-
 static double brightest_edge(const double *psf, int nx, int ny) {
     const double *last = psf + (size_t)(ny - 1) * (size_t)nx;
     double most = psf[0];
     for (int x = 0; x < nx; x++)
-        most = brighter(most, brighter(psf[x], last[x]));
+        most = fmax(most, fmax(psf[x], last[x]));
     for (const double *row = psf; row <= last; row += nx)
-        most = brighter(most, brighter(row[0], row[nx - 1]));
+        most = fmax(most, fmax(row[0], row[nx - 1]));
     return most;
 }
 

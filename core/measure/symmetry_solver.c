@@ -85,10 +85,9 @@ static double balance_at(void *context, double g) {
 /* Find where the balance falls through `level`; for 0, the weighted median of x/b. */
 static bool find_balance(const sign_histogram *h, double level, double *g) {
     balance b = {.histogram = h, .level = level};
-    const monotone f = {.at = balance_at, .context = &b};
     if (balance_at(&b, -widest) <= 0.0 || balance_at(&b, widest) > 0.0)
         return false;
-    *g = monotone_find_root(&f, -widest, widest, guess_tolerance);
+    *g = monotone_find_root(balance_at, &b, -widest, widest, guess_tolerance);
     return true;
 }
 
@@ -172,12 +171,11 @@ static bool find_side(total_score *s, double sign, double step, double *g) {
 static bool find_root(symmetry_solver *v, solver_component *a, const sign_histogram *h,
                       double step) {
     total_score s = {.solver = v, .component = a, .histogram = h};
-    const monotone f = {.at = total_score_at, .context = &s};
     double low;
     double high;
     if (!find_side(&s, -1.0, step, &low) || !find_side(&s, 1.0, step, &high))
         return false;
-    a->g = monotone_find_root(&f, low, high, 0.1 * SOLVER_STILL * a->sigma);
+    a->g = monotone_find_root(total_score_at, &s, low, high, 0.1 * SOLVER_STILL * a->sigma);
     return true;
 }
 
