@@ -36,26 +36,6 @@ static void draw(double *out, int n, double sigma, double amplitude, double back
     }
 }
 
-/* Return n doubles, aligned as the reader's blocks are; NULL if out of memory. */
-static double *new_doubles(size_t n) {
-    return aligned_alloc(64, (n * sizeof(double) / 64 + 1) * 64);
-}
-
-static int allocate(bench_data *d, int side, int n_psf, shear_error *err) {
-    const size_t pixels = (size_t)side * (size_t)side;
-    const size_t count = (size_t)d->count;
-    d->galaxy = new_doubles(count * pixels);
-    d->noise = new_doubles(count * pixels);
-    d->psf = new_doubles((size_t)n_psf * pixels);
-    d->psf_index = malloc(count * sizeof(int32_t));
-    d->rows = malloc(count * sizeof(shear_row));
-    if (d->galaxy == NULL || d->noise == NULL || d->psf == NULL || d->psf_index == NULL ||
-        d->rows == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d stamps", d->count);
-    }
-    return SHEAR_OK;
-}
-
 static int make_plan(bench_data *d, const bench_case *c, shear_error *err) {
     shear_settings settings;
     shear_settings_init(&settings);
@@ -66,42 +46,42 @@ static int make_plan(bench_data *d, const bench_case *c, shear_error *err) {
     return shear_plan_new(&d->plan,
                           &(shear_plan_request){.settings = &settings,
                                                 .geometry = {c->side, c->side, c->side, c->side, 1},
-                                                .psf = c->psf_per_stamp ? NULL : d->psf,
+                                                .psf = c->psf_per_stamp ? NULL : d->block->psf,
                                                 .r_psf_px = c->r_psf_px},
                           err);
 }
 
 int bench_data_init(bench_data *d, const bench_case *c, int count, shear_error *err) {
-    const int n_psf = c->psf_per_stamp ? count : 1;
+    const shear_field_info info = {.geometry = {c->side, c->side, c->side, c->side, 1},
+                                   .psf_layout = SHEAR_PSF_PER_STAMP};
     const size_t pixels = (size_t)c->side * (size_t)c->side;
     uint32_t seed = 1;
-    *d = (bench_data){.count = count};
-    TRY(allocate(d, c->side, n_psf, err));
+    *d = (bench_data){.count = count, .rows = malloc((size_t)count * sizeof(shear_row))};
+    if (d->rows == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d stamps", count);
+    TRY(shear_block_new(&d->block, &info, count, err));
+    shear_stamps *stamps = &d->block->stamps;
+    stamps->count = count;
     for (int i = 0; i < count; i++) {
-        draw(d->galaxy + (size_t)i * pixels, c->side, hypot(c->r_gal_px / 2, c->r_psf_px), 10.0,
-             1.0, &seed);
-        draw(d->noise + (size_t)i * pixels, c->side, 1.0, 0.0, 1.0, &seed);
-        d->psf_index[i] = c->psf_per_stamp ? i : 0;
+        draw(d->block->galaxy + (size_t)i * pixels, c->side, hypot(c->r_gal_px / 2, c->r_psf_px),
+             10.0, 1.0, &seed);
+        draw(d->block->noise + (size_t)i * pixels, c->side, 1.0, 0.0, 1.0, &seed);
+        d->block->psf_index[i] = i;
     }
-    for (int i = 0; i < n_psf; i++)
-        draw(d->psf + (size_t)i * pixels, c->side, c->r_psf_px, 1.0, 0.0, &seed);
-    d->stamps = (shear_stamps){.count = count,
-                               .nx = c->side,
-                               .ny = c->side,
-                               .galaxy = d->galaxy,
-                               .noise = d->noise,
-                               .n_psf = c->psf_per_stamp ? n_psf : 0,
-                               .psf = c->psf_per_stamp ? d->psf : NULL,
-                               .psf_index = c->psf_per_stamp ? d->psf_index : NULL};
+    stamps->n_psf = c->psf_per_stamp ? count : 1;
+    for (int i = 0; i < stamps->n_psf; i++)
+        draw(d->block->psf + (size_t)i * pixels, c->side, c->r_psf_px, 1.0, 0.0, &seed);
+    if (!c->psf_per_stamp) {
+        stamps->n_psf = 0;
+        stamps->psf = NULL;
+        stamps->psf_index = NULL;
+    }
     return make_plan(d, c, err);
 }
 
 void bench_data_deinit(bench_data *d) {
     shear_plan_free(d->plan);
-    free(d->galaxy);
-    free(d->noise);
-    free(d->psf);
-    free(d->psf_index);
+    shear_block_free(d->block);
     free(d->rows);
     *d = (bench_data){0};
 }
@@ -109,7 +89,8 @@ void bench_data_deinit(bench_data *d) {
 void bench_data_measure(const bench_data *d, shear_workspace *ws, int repeats, shear_row *rows) {
     shear_error err;
     for (int i = 0; i < repeats; i++) {
-        if (shear_measure_range(d->plan, ws, &d->stamps, 0, d->count, rows, &err) != SHEAR_OK) {
+        if (shear_measure_range(d->plan, ws, &d->block->stamps, 0, d->count, rows, &err) !=
+            SHEAR_OK) {
             fprintf(stderr, "shear-bench: %s\n", err.message);
             exit(1);
         }

@@ -2,7 +2,7 @@
 /* bench/cases.h: the cases that are timed. */
 #pragma once
 
-#include "shear/plan.h"
+#include "shear/field.h"
 
 #include <stdbool.h>
 
@@ -23,9 +23,7 @@ extern const int bench_n_cases;
 typedef struct bench_data {
     int count;
     shear_plan *plan;
-    shear_stamps stamps;
-    double *galaxy, *noise, *psf;
-    int32_t *psf_index;
+    shear_block *block; /* its first PSF is the plan's, if the stamps have none of their own */
     shear_row *rows;
 } bench_data;
 int bench_data_init(bench_data *data, const bench_case *c, int count, shear_error *err);

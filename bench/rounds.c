@@ -56,16 +56,14 @@ static int timed_case_init(timed_case *b, const bench_case *c, int threads, shea
     /* As many stamps as in a work unit of the pipeline: they are still in the cache after the
      * reader. */
     const int count = (int)fmax(1.0, fmin(b->repeats, unit_pixels / (2.0 * c->side * c->side)));
-    int code = bench_data_init(&b->data, c, count, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(bench_data_init(&b->data, c, count, err));
     b->ws = calloc((size_t)threads, sizeof(shear_workspace *));
     b->rows = calloc((size_t)threads * (size_t)count, sizeof *b->rows);
     if (b->ws == NULL || b->rows == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    for (int t = 0; t < threads && code == SHEAR_OK; t++)
-        code = shear_workspace_new(&b->ws[t], b->data.plan, err);
-    return code;
+    for (int t = 0; t < threads; t++)
+        TRY(shear_workspace_new(&b->ws[t], b->data.plan, err));
+    return SHEAR_OK;
 }
 
 static void timed_case_deinit(timed_case *b) {

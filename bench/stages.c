@@ -82,14 +82,15 @@ static void do_moments(stage_pair *s) {
 
 static double time_stage(const bench_data *d, stage_pair *s, int repeats,
                          void (*stage)(stage_pair *)) {
-    const size_t pixels = (size_t)d->stamps.nx * (size_t)d->stamps.ny;
+    const shear_block *b = d->block;
+    const size_t pixels = (size_t)b->stamps.nx * (size_t)b->stamps.ny;
     const double start = timer_processor_us();
     for (int r = 0; r < repeats; r++) {
         for (int i = 0; i < d->count; i++) {
-            const size_t psf = d->stamps.psf != NULL ? (size_t)i : 0;
-            s->galaxy = d->galaxy + (size_t)i * pixels;
-            s->noise = d->noise + (size_t)i * pixels;
-            s->psf = d->psf + psf * pixels;
+            const size_t psf = b->stamps.psf != NULL ? (size_t)i : 0;
+            s->galaxy = b->galaxy + (size_t)i * pixels;
+            s->noise = b->noise + (size_t)i * pixels;
+            s->psf = b->psf + psf * pixels;
             stage(s);
         }
     }
@@ -101,7 +102,7 @@ void stages_time(const bench_data *d, shear_workspace *ws, int repeats, double u
     stage_pair s = {.plan = plan,
                     .ws = ws,
                     .transfer = plan->has_psf ? &plan->transfer : &ws->transfer,
-                    .psf = d->psf};
+                    .psf = d->block->psf};
     const bool interpolated = plan->grid.x.kind != AXIS_NONE;
     const double whole = bench_data_time_pairs(d, ws, repeats);
     us[STAGE_PSF] = plan->has_psf ? 0.0 : time_stage(d, &s, repeats, do_psf);

@@ -32,9 +32,12 @@ typedef struct database {
     char *sums;
 } database;
 
-static void must(int code, const shear_error *err) {
+/* Of the call that failed; then the program ends. */
+static shear_error failure;
+
+static void must(int code) {
     if (code != SHEAR_OK) {
-        fprintf(stderr, "store-bench: %s\n", err->message);
+        fprintf(stderr, "store-bench: %s\n", failure.message);
         exit(1);
     }
 }
@@ -50,7 +53,7 @@ static void pick_field(database *d, char name[32]) {
     snprintf(name, 32, "field-%07" PRId64, pick(d, d->fields));
 }
 
-static int64_t submit(store *s, int64_t priority, shear_error *err) {
+static int64_t submit(store *s, int64_t priority) {
     int64_t id = 0;
     bool known = false;
     const store_spec spec = {.field = "field-0000000",
@@ -60,89 +63,89 @@ static int64_t submit(store *s, int64_t priority, shear_error *err) {
                              .priority = (int)priority,
                              .owner = 1000,
                              .created_ms = 5};
-    must(store_submit(s, &spec, INT64_MAX, &id, &known, err), err);
+    must(store_submit(s, &spec, INT64_MAX, &id, &known, &failure));
     return id;
 }
 
-static void call_submit(database *d, shear_error *err) {
-    submit(d->s, 0, err);
+static void call_submit(database *d) {
+    submit(d->s, 0);
 }
 
 /* Do all operations of a job's life except those on its file. */
-static void call_life(database *d, shear_error *err) {
+static void call_life(database *d) {
     char field[32];
     char content[32];
     CLEANUP(store_job_deinit) store_job job = {0};
     int64_t of = 0;
     store_finished end;
-    const int64_t id = submit(d->s, 1, err);
+    const int64_t id = submit(d->s, 1);
     pick_field(d, field);
     snprintf(content, sizeof content, "new %" PRId64, id);
     const store_input input = {field, content, 16};
     const store_work work = {.sums = d->sums, .result = "{}", .elapsed_us = 9, .now_ms = 9};
-    must(store_next(d->s, 6, &job, err), err);
-    must(store_set_input(d->s, job.id, &input, &of, err), err);
-    must(store_finish(d->s, job.id, &work, &end, err), err);
+    must(store_next(d->s, 6, &job, &failure));
+    must(store_set_input(d->s, job.id, &input, &of, &failure));
+    must(store_finish(d->s, job.id, &work, &end, &failure));
 }
 
-static void call_count(database *d, shear_error *err) {
+static void call_count(database *d) {
     store_counts counts;
-    must(store_count(d->s, &counts, err), err);
+    must(store_count(d->s, &counts, &failure));
 }
 
-static void call_totals(database *d, shear_error *err) {
+static void call_totals(database *d) {
     store_totals totals;
-    must(store_total(d->s, &totals, err), err);
+    must(store_total(d->s, &totals, &failure));
 }
 
-static void call_job(database *d, shear_error *err) {
+static void call_job(database *d) {
     CLEANUP(store_job_deinit) store_job job = {0};
-    must(store_job_get(d->s, 1 + pick(d, d->jobs), &job, err), err);
+    must(store_job_get(d->s, 1 + pick(d, d->jobs), &job, &failure));
 }
 
-static void call_jobs(database *d, shear_error *err) {
+static void call_jobs(database *d) {
     CLEANUP(store_job_page_deinit) store_job_page page = {0};
     const store_job_filter filter = {.states = 1u << STORE_DONE,
                                      .before = PAGE + 1 + pick(d, d->jobs - PAGE)};
-    must(store_jobs(d->s, &filter, PAGE, &page, err), err);
+    must(store_jobs(d->s, &filter, PAGE, &page, &failure));
 }
 
-static void call_jobs_of_field(database *d, shear_error *err) {
+static void call_jobs_of_field(database *d) {
     char field[32];
     CLEANUP(store_job_page_deinit) store_job_page page = {0};
     pick_field(d, field);
     const store_job_filter filter = {.field = field, .by_owner = true, .owner = 1000};
-    must(store_jobs(d->s, &filter, PAGE, &page, err), err);
+    must(store_jobs(d->s, &filter, PAGE, &page, &failure));
 }
 
-static void call_field(database *d, shear_error *err) {
+static void call_field(database *d) {
     char field[32];
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     pick_field(d, field);
-    must(store_field_get(d->s, field, &page, err), err);
+    must(store_field_get(d->s, field, &page, &failure));
 }
 
 /* full pages only, not the last ones */
-static void call_fields(database *d, shear_error *err) {
+static void call_fields(database *d) {
     char field[32];
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     snprintf(field, sizeof field, "field-%07" PRId64, pick(d, d->fields - PAGE));
     const store_field_filter filter = {
         .prefix = "field-", .after_name = field, .after_digest = "1"};
-    must(store_fields(d->s, &filter, PAGE, &page, err), err);
+    must(store_fields(d->s, &filter, PAGE, &page, &failure));
 }
 
-static void call_contributions(database *d, shear_error *err) {
+static void call_contributions(database *d) {
     char field[32];
     CLEANUP(store_contribution_page_deinit) store_contribution_page page = {0};
     pick_field(d, field);
-    must(store_contributions(d->s, field, "0123456789abcdef0123456789abcdef", 0, PAGE, &page, err),
-         err);
+    must(store_contributions(d->s, field, "0123456789abcdef0123456789abcdef", 0, PAGE, &page,
+                             &failure));
 }
 
 typedef struct operation {
     const char *name;
-    void (*call)(database *d, shear_error *err);
+    void (*call)(database *d);
 } operation;
 
 static const operation operations[] = {
@@ -161,11 +164,10 @@ static const operation operations[] = {
 /* Return microseconds per call. The calls are in a group that is rolled back, so that the database
  * does not change. */
 static double time_calls(database *d, const operation *op) {
-    shear_error err = {0};
-    must(store_begin(d->s, &err), &err);
+    must(store_begin(d->s, &failure));
     const double start = timer_now_us();
     for (int i = 0; i < CALLS; i++)
-        op->call(d, &err);
+        op->call(d);
     const double us = (timer_now_us() - start) / CALLS;
     store_rollback(d->s);
     return us;
@@ -220,13 +222,12 @@ static double bare_rate(sqlite3 *db) {
 }
 
 static double submit_rate(store *s, int group) {
-    shear_error err = {0};
     const double start = timer_now_us();
     for (int i = 0; i < COMMITS; i++) {
-        must(store_begin(s, &err), &err);
+        must(store_begin(s, &failure));
         for (int k = 0; k < group; k++)
-            submit(s, 0, &err);
-        must(store_commit(s, &err), &err);
+            submit(s, 0);
+        must(store_commit(s, &failure));
     }
     return 1e6 * COMMITS * group / (timer_now_us() - start);
 }
@@ -253,14 +254,13 @@ static void compare_rates(sqlite3 *bare, store *s) {
 
 static database open_filled(const char *dir, const char *name, int64_t jobs, int64_t fields) {
     char path[4200];
-    shear_error err = {0};
     database d = {.jobs = jobs, .fields = fields, .next = 1, .sums = store_fill_sums()};
     snprintf(path, sizeof path, "%s/%s", dir, name);
     const double start = timer_now_us();
-    must(store_fill(path, jobs, fields, &err), &err);
+    must(store_fill(path, jobs, fields, &failure));
     fprintf(stderr, "store-bench: %" PRId64 " jobs in %" PRId64 " fields made in %.0f s\n", jobs,
             fields, 1e-6 * (timer_now_us() - start));
-    must(store_open(&d.s, path, NULL, 10, &err), &err);
+    must(store_open(&d.s, path, NULL, 10, &failure));
     return d;
 }
 

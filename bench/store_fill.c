@@ -48,9 +48,9 @@ static int make_pattern(store *s, shear_error *err) {
                              .now_ms = 2};
     if (sums == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    int code = store_submit(s, &spec, 10, &id, &known, err);
-    code = code != SHEAR_OK ? code : store_next(s, 1, &job, err);
-    TRY(code != SHEAR_OK ? code : store_set_input(s, id, &input, &of, err));
+    TRY(store_submit(s, &spec, 10, &id, &known, err));
+    TRY(store_next(s, 1, &job, err));
+    TRY(store_set_input(s, id, &input, &of, err));
     return store_finish(s, id, &work, &end, err);
 }
 

@@ -11,6 +11,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Limits as for a field file (docs/field-files.md). */
 enum { MIN_PSF_SIDE = 3, MAX_PSF_SIDE = 4096, MAX_PSF_OVERSAMPLE = 64 };
@@ -100,11 +101,8 @@ static shear_field_info info_of(const shear_arrays *in) {
 static int init_images(array_source *s, shear_error *err) {
     const shear_geometry *g = &s->info.geometry;
     TRY(images_init(&s->galaxy, &s->in->galaxy, 1, g->nx, g->ny, "galaxy", err));
-    int code =
-        images_init(&s->noise, &s->in->noise, s->info.noise_planes, g->nx, g->ny, "noise", err);
-    return code != SHEAR_OK
-               ? code
-               : images_init(&s->psf, &s->in->psf, 1, g->psf_nx, g->psf_ny, "PSF", err);
+    TRY(images_init(&s->noise, &s->in->noise, s->info.noise_planes, g->nx, g->ny, "noise", err));
+    return images_init(&s->psf, &s->in->psf, 1, g->psf_nx, g->psf_ny, "PSF", err);
 }
 
 static bool all_plain(const array_source *s) {
@@ -224,8 +222,7 @@ static int keep_rows(void *self, int64_t first, int count, const shear_row *rows
     shear_row *all = self;
     (void)block;
     (void)err;
-    for (int i = 0; i < count; i++)
-        all[first + i] = rows[i];
+    memcpy(all + first, rows, (size_t)count * sizeof *rows);
     return SHEAR_OK;
 }
 
@@ -238,30 +235,6 @@ static int jackknife_errors(int groups, const shear_jackknife *blocks, shear_res
     return shear_jackknife_finish(jackknife, result, err);
 }
 
-static int measure_planned(shear_result *result, array_source *s, const shear_plan *plan,
-                           shear_unit_size size, const shear_arrays_options *options,
-                           shear_error *err) {
-    const team_job job = {
-        .info = &s->info,
-        .plan = plan,
-        .source = {.self = s, .read = read_arrays, .concurrent = true},
-        .sink = {.self = options->rows, .write = options->rows != NULL ? keep_rows : NULL},
-        .size = size,
-        .threads = s->n_slots,
-        .jackknife = options->jackknife != 0,
-        .progress = options->progress,
-        .context = options->context};
-    shear_result found;
-    CLEANUP(team_sums_deinit) team_sums sums = {0};
-    TRY(team_measure(&job, &sums, &found, err));
-    if (options->jackknife != 0)
-        TRY(jackknife_errors(options->jackknife, sums.jackknife, &found, err));
-    if (options->sums != NULL)
-        shear_field_sums_join(options->sums, sums.sums);
-    *result = found;
-    return SHEAR_OK;
-}
-
 int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
                          const shear_settings *settings, const shear_arrays_options *options,
                          shear_error *err) {
@@ -269,13 +242,30 @@ int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
     const shear_arrays_options *o = options != NULL ? options : &defaults;
     CLEANUP(shear_plan_release) shear_plan *plan = NULL;
     CLEANUP(array_source_deinit) array_source source;
+    CLEANUP(team_sums_deinit) team_sums sums = {0};
+    shear_result found;
     TRY(array_source_init(&source, arrays, err));
     const int threads = team_threads(o->threads);
     const shear_unit_size size = shear_unit_size_for(&source.info, threads);
     TRY(init_slots(&source, threads, size.stamps, err));
     TRY(make_plan(&plan, &source, settings, size.stamps, err));
-    TRY(measure_planned(result, &source, plan, size, o, err));
+    const team_job job = {
+        .work = {.info = &source.info,
+                 .plan = plan,
+                 .source = {.self = &source, .read = read_arrays, .concurrent = true},
+                 .sink = {.self = o->rows, .write = o->rows != NULL ? keep_rows : NULL},
+                 .size = size},
+        .threads = threads,
+        .jackknife = o->jackknife != 0,
+        .progress = o->progress,
+        .context = o->context};
+    TRY(team_measure(&job, &sums, &found, err));
+    if (o->jackknife != 0)
+        TRY(jackknife_errors(o->jackknife, sums.jackknife, &found, err));
+    if (o->sums != NULL)
+        shear_field_sums_join(o->sums, sums.sums);
     if (o->plan != NULL)
         *o->plan = *shear_plan_get_info(plan);
+    *result = found;
     return SHEAR_OK;
 }

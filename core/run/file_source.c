@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run/file_source.h"
 
-#include <stdlib.h>
+#include "base/cleanup.h"
 
 int file_source_init(file_source *s, shear_field *field, int slots, int capacity,
                      shear_error *err) {
@@ -9,10 +9,9 @@ int file_source_init(file_source *s, shear_field *field, int slots, int capacity
     s->blocks = calloc((size_t)slots, sizeof(shear_block *));
     if (s->blocks == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d threads", slots);
-    int code = SHEAR_OK;
-    for (int i = 0; i < slots && code == SHEAR_OK; i++)
-        code = shear_block_new(&s->blocks[i], shear_field_get_info(field), capacity, err);
-    return code;
+    for (int i = 0; i < slots; i++)
+        TRY(shear_block_new(&s->blocks[i], shear_field_get_info(field), capacity, err));
+    return SHEAR_OK;
 }
 
 void file_source_deinit(file_source *s) {

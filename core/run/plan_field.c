@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Make the plan for a field file; its PSF decides the automatic settings. */
+/* Make the plan for a field file; its PSF, and a sample of its stamps, decide the automatic
+ * settings. */
 #include "shear/run.h"
 
 #include "base/cleanup.h"
 #include "base/sort.h"
+#include "measure/reach.h"
 #include "run/file_source.h"
 
 #include <stdlib.h>
 
-enum { MAX_PSFS_FOR_RADIUS = 256 };
+enum { MAX_PSFS_FOR_RADIUS = 256, MAX_SAMPLED_BLOCKS = 32 };
+
+/* ---- a sample of the PSFs ---- */
 
 /* Examine evenly spaced PSFs. `psf` is memory for one image, `each` for the results. */
 static int look_at_some(shear_psf_source psfs, const shear_field_info *info, double *psf,
@@ -78,6 +82,69 @@ void shear_plan_request_deinit(shear_plan_request *request) {
     *request = (shear_plan_request){0};
 }
 
+/* ---- a sample of the stamps: how far do the galaxies reach? ---- */
+
+static bool counts(const shear_stamps *s, int i) {
+    const bool weighs =
+        s->weight == NULL || (shear_weight_is_good(s->weight[i]) && s->weight[i] > 0);
+    return weighs && (s->mask == NULL || s->mask[i] == 0);
+}
+
+static void add_stamps(reach *r, const shear_stamps *s) {
+    const size_t pixels = (size_t)s->nx * (size_t)s->ny;
+    for (int i = 0; i < s->count; i++) {
+        if (counts(s, i))
+            reach_add(r, s->galaxy + (size_t)i * pixels, s->noise + (size_t)i * pixels);
+    }
+}
+
+/* Read and add one block of the sample. */
+static int read_sampled(reach *r, shear_source source, int64_t first, int64_t end, int capacity,
+                        shear_error *err) {
+    const shear_block *block = NULL;
+    for (; first < end; first += capacity) {
+        const int count = end - first < capacity ? (int)(end - first) : capacity;
+        TRY(source.read(source.self, 0, first, count, &block, err));
+        add_stamps(r, &block->stamps);
+    }
+    return SHEAR_OK;
+}
+
+static int read_stamps(reach *r, const shear_field_info *info, shear_source source, int capacity,
+                       shear_error *err) {
+    const int64_t blocks = (info->n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    const int64_t tries = blocks < MAX_SAMPLED_BLOCKS ? blocks : MAX_SAMPLED_BLOCKS;
+    for (int64_t i = 0; i < tries; i++) {
+        const int64_t first = i * blocks / tries * SHEAR_BLOCK;
+        const int64_t end =
+            first + SHEAR_BLOCK < info->n_stamps ? first + SHEAR_BLOCK : info->n_stamps;
+        TRY(read_sampled(r, source, first, end, capacity, err));
+    }
+    return SHEAR_OK;
+}
+
+static int out_of_memory(shear_error *err) {
+    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a sample");
+}
+
+int shear_plan_request_sample(shear_plan_request *request, const shear_field_info *info,
+                              shear_source source, int capacity, shear_error *err) {
+    const shear_geometry *g = &info->geometry;
+    shear_plan_radii radii;
+    if (!shear_plan_wants_core(request))
+        return SHEAR_OK;
+    TRY(shear_plan_find_radii(&radii, request, err));
+    CLEANUP(reach_deinit) reach r;
+    if (!reach_init(&r, g->nx, g->ny, MAX_SAMPLED_BLOCKS * SHEAR_BLOCK))
+        return out_of_memory(err);
+    TRY(read_stamps(&r, info, source, capacity, err));
+    return reach_core(&r, radii.r_psf_px, radii.beta_px, radii.width_px, &request->core_px)
+               ? SHEAR_OK
+               : out_of_memory(err);
+}
+
+/* ---- the plan ---- */
+
 static int read_from_file(void *self, int64_t index, double *out, shear_error *err) {
     return shear_field_read_psf(self, index, out, err);
 }
@@ -89,10 +156,8 @@ static int sample_file(shear_plan_request *request, shear_field *field, shear_er
     const shear_unit_size size = shear_unit_size_for(info, 1);
     const int capacity = size.stamps < SHEAR_BLOCK ? size.stamps : SHEAR_BLOCK;
     CLEANUP(file_source_deinit) file_source source;
-    const int code = file_source_init(&source, field, 1, capacity, err);
-    return code != SHEAR_OK ? code
-                            : shear_plan_request_sample(
-                                  request, info, file_source_as_source(&source), capacity, err);
+    TRY(file_source_init(&source, field, 1, capacity, err));
+    return shear_plan_request_sample(request, info, file_source_as_source(&source), capacity, err);
 }
 
 int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shear_field *field,

@@ -11,10 +11,8 @@
 int reorder_buffer_init(reorder_buffer *b, int64_t first_block, bool terms,
                         shear_jackknife *jackknife, shear_error *err) {
     *b = (reorder_buffer){.next_block = first_block, .jackknife = jackknife};
-    const int code = shear_field_sums_new(&b->sums, err);
-    if (code != SHEAR_OK || !terms)
-        return code;
-    return shear_symmetry_new(&b->terms, err);
+    TRY(shear_field_sums_new(&b->sums, err));
+    return terms ? shear_symmetry_new(&b->terms, err) : SHEAR_OK;
 }
 
 static void block_result_deinit(block_result *r) {
@@ -34,14 +32,15 @@ void reorder_buffer_deinit(reorder_buffer *b) {
 /* Add the blocks that come next. */
 static int sum_next(reorder_buffer *b, const block_result *r, shear_error *err) {
     assert(r->block == b->next_block);
-    int code = r->terms != NULL ? shear_symmetry_join(b->terms, r->terms, 0, err) : SHEAR_OK;
-    for (int i = 0; i < r->n && code == SHEAR_OK; i++) {
+    if (r->terms != NULL)
+        TRY(shear_symmetry_join(b->terms, r->terms, 0, err));
+    for (int i = 0; i < r->n; i++) {
         if (b->jackknife != NULL)
-            code = shear_jackknife_add(b->jackknife, &r->sums[i], err);
+            TRY(shear_jackknife_add(b->jackknife, &r->sums[i], err));
         shear_field_sums_add(b->sums, &r->sums[i]);
     }
     b->next_block += r->n;
-    return code;
+    return SHEAR_OK;
 }
 
 static int copy_terms(shear_symmetry **copy, const shear_symmetry *terms, shear_error *err) {
@@ -53,37 +52,30 @@ static int copy_terms(shear_symmetry **copy, const shear_symmetry *terms, shear_
 
 static int keep_early(reorder_buffer *b, const block_result *r, shear_error *err) {
     const size_t bytes = (size_t)r->n * sizeof *r->sums;
-    if (!ARRAY_RESERVE(b->early, b->capacity, b->n_early + 1))
+    CLEANUP(block_result_deinit)
+    block_result copy = {.block = r->block, .n = r->n, .sums = malloc(bytes)};
+    if (copy.sums == NULL || !ARRAY_RESERVE(b->early, b->capacity, b->n_early + 1))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the results of blocks");
-    block_result *copy = &b->early[b->n_early];
-    *copy = (block_result){.block = r->block, .n = r->n, .sums = malloc(bytes)};
-    if (copy->sums == NULL)
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the results of blocks");
-    memcpy(copy->sums, r->sums, bytes);
-    const int code = copy_terms(&copy->terms, r->terms, err);
-    if (code != SHEAR_OK) {
-        block_result_deinit(copy);
-        return code;
-    }
-    b->n_early++;
+    memcpy(copy.sums, r->sums, bytes);
+    TRY(copy_terms(&copy.terms, r->terms, err));
+    b->early[b->n_early++] = copy;
+    copy = (block_result){0};
     return SHEAR_OK;
 }
 
 /* Add all kept results that come next now. */
 static int sum_early(reorder_buffer *b, shear_error *err) {
-    int code = SHEAR_OK;
-    for (size_t i = 0; i < b->n_early && code == SHEAR_OK;) {
+    for (size_t i = 0; i < b->n_early;) {
         if (b->early[i].block != b->next_block) {
             i++;
             continue;
         }
-        block_result next = b->early[i];
+        CLEANUP(block_result_deinit) block_result next = b->early[i];
         b->early[i] = b->early[--b->n_early];
-        code = sum_next(b, &next, err);
-        block_result_deinit(&next);
+        TRY(sum_next(b, &next, err));
         i = 0;
     }
-    return code;
+    return SHEAR_OK;
 }
 
 int reorder_buffer_add(reorder_buffer *b, const block_result *r, shear_error *err) {

@@ -16,26 +16,9 @@ static int write_catalog(void *self, int64_t first, int count, const shear_row *
     return shear_catalog_write(self, first, count, rows, block, err);
 }
 
-/* Put the catalog in place. Frees it, also on error. */
-static int finish_catalog(shear_catalog *catalog, const shear_plan *plan,
-                          const shear_result *result, const shear_input *input,
-                          const shear_field_info *info, const shear_run_options *options,
-                          shear_error *err) {
-    char checksum[SHEAR_CHECKSUM_SIZE] = "";
-    char name[SHEAR_INPUT_TEXT_SIZE];
-    if (options->checksum == NULL) {
-        const int code = shear_input_checksum(input, NULL, info, checksum, err);
-        if (code != SHEAR_OK) {
-            shear_catalog_abort(catalog);
-            return code;
-        }
-    }
-    return shear_catalog_finish(catalog, plan, result, shear_input_text(input, name, sizeof name),
-                                options->checksum != NULL ? options->checksum : checksum, err);
-}
-
-/* What a run owns in addition to the open field. */
+/* What a run owns. */
 typedef struct run {
+    shear_field *field;
     shear_plan *plan;
     shear_catalog *catalog;
     file_source source;
@@ -47,62 +30,64 @@ static void run_deinit(run *r) {
     team_sums_deinit(&r->sums);
     shear_catalog_abort(r->catalog);
     shear_plan_free(r->plan);
+    shear_field_close(r->field);
 }
 
-static int run_init(run *r, shear_field *field, const shear_settings *settings,
-                    const shear_run_options *options, int threads, int capacity, shear_error *err) {
-    const shear_field_info *info = shear_field_get_info(field);
-    int code = shear_plan_for_field(&r->plan, settings, field, err);
-    if (code != SHEAR_OK)
-        return code;
-    if (options->catalog_path != NULL) {
-        code =
-            shear_catalog_create(&r->catalog, options->catalog_path, info, options->overwrite, err);
-    }
-    return code != SHEAR_OK ? code : file_source_init(&r->source, field, threads, capacity, err);
+/* Put the catalog in place. */
+static int finish_catalog(run *r, const shear_input *input, const char *checksum,
+                          const shear_result *result, shear_error *err) {
+    char computed[SHEAR_CHECKSUM_SIZE] = "";
+    char name[SHEAR_INPUT_TEXT_SIZE];
+    if (checksum == NULL)
+        TRY(shear_input_checksum(input, NULL, shear_field_get_info(r->field), computed, err));
+    return shear_catalog_finish(CLEANUP_TAKE(r->catalog), r->plan, result,
+                                shear_input_text(input, name, sizeof name),
+                                checksum != NULL ? checksum : computed, err);
 }
 
-/* Measure an open field. On success the report's result and the catalog are complete. */
-static int run_field(run *r, const shear_input *input, shear_field *field,
-                     const shear_settings *settings, const shear_run_options *options,
-                     bool jackknife, shear_run_report *report, shear_error *err) {
-    const shear_field_info *info = shear_field_get_info(field);
+/* Measure the field. On success the report's result and the catalog are complete. */
+static int run_field(run *r, const shear_input *input, const shear_settings *settings,
+                     const shear_run_options *options, bool jackknife, shear_run_report *report,
+                     shear_error *err) {
+    const shear_field_info *info = shear_field_get_info(r->field);
     const int threads = team_threads(options->threads);
     const shear_unit_size size = shear_unit_size_for(info, threads);
-    TRY(run_init(r, field, settings, options, threads, size.stamps, err));
+    TRY(shear_plan_for_field(&r->plan, settings, r->field, err));
+    if (options->catalog_path != NULL) {
+        TRY(shear_catalog_create(&r->catalog, options->catalog_path, info, options->overwrite,
+                                 err));
+    }
+    TRY(file_source_init(&r->source, r->field, threads, size.stamps, err));
     const team_job job = {
-        .info = info,
-        .plan = r->plan,
-        .source = file_source_as_source(&r->source),
-        .sink = {.self = r->catalog, .write = r->catalog != NULL ? write_catalog : NULL},
-        .size = size,
+        .work = {.info = info,
+                 .plan = r->plan,
+                 .source = file_source_as_source(&r->source),
+                 .sink = {.self = r->catalog, .write = r->catalog != NULL ? write_catalog : NULL},
+                 .size = size,
+                 .terms = options->terms != NULL},
         .threads = threads,
         .jackknife = jackknife,
-        .terms = options->terms != NULL,
         .progress = options->progress,
         .context = options->context};
     report->plan = *shear_plan_get_info(r->plan);
-    int code = team_measure(&job, &r->sums, &report->result, err);
-    return code != SHEAR_OK || r->catalog == NULL
-               ? code
-               : finish_catalog(CLEANUP_TAKE(r->catalog), r->plan, &report->result, input, info,
-                                options, err);
+    TRY(team_measure(&job, &r->sums, &report->result, err));
+    return r->catalog == NULL ? SHEAR_OK
+                              : finish_catalog(r, input, options->checksum, &report->result, err);
 }
 
 /* Join sums, terms and blocks to the caller's: all or none. */
 static int join_caller(const team_sums *own, shear_field_sums *sums, shear_symmetry *terms,
                        shear_jackknife *jack, shear_error *err) {
     const size_t before = terms != NULL ? shear_symmetry_count(terms) : 0;
-    TRY(terms != NULL && own->terms != NULL ? shear_symmetry_join(terms, own->terms, 0, err)
-                                            : SHEAR_OK);
-    int code = jack != NULL ? shear_jackknife_join(jack, own->jackknife, err) : SHEAR_OK;
-    if (code != SHEAR_OK) {
-        if (terms != NULL)
-            shear_symmetry_truncate(terms, before);
-        return code;
+    if (terms != NULL && own->terms != NULL)
+        TRY(shear_symmetry_join(terms, own->terms, 0, err));
+    const int code = jack != NULL ? shear_jackknife_join(jack, own->jackknife, err) : SHEAR_OK;
+    if (code == SHEAR_OK) {
+        shear_field_sums_join(sums, own->sums);
+    } else if (terms != NULL) {
+        shear_symmetry_truncate(terms, before);
     }
-    shear_field_sums_join(sums, own->sums);
-    return SHEAR_OK;
+    return code;
 }
 
 /* Return the name for errors whose message does not contain one. */
@@ -116,11 +101,10 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
     static const shear_run_options defaults = {0};
     const shear_run_options *o = options != NULL ? options : &defaults;
     const double start = clock_s(CLOCK_MONOTONIC);
-    CLEANUP(shear_field_release) shear_field *field = NULL;
     CLEANUP(run_deinit) run r = {0};
-    TRY(shear_field_open_input(&field, input, NULL, err));
-    report->field = *shear_field_get_info(field);
-    int code = run_field(&r, input, field, settings, o, jack != NULL, report, err);
+    TRY(shear_field_open_input(&r.field, input, NULL, err));
+    report->field = *shear_field_get_info(r.field);
+    int code = run_field(&r, input, settings, o, jack != NULL, report, err);
     code = code != SHEAR_OK ? code : join_caller(&r.sums, sums, o->terms, jack, err);
     report->seconds = clock_s(CLOCK_MONOTONIC) - start;
     if (code != SHEAR_OK && err != NULL && strstr(err->message, name_of(input)) == NULL)

@@ -21,14 +21,13 @@ static int report_progress(const team_job *job, shear_work *work) {
 
 /* Run one thread of the team; the first one reports progress. */
 static int work_in_slot(const team_job *job, shear_work *work, int slot, shear_error *err) {
-    shear_worker *worker = NULL;
-    int code = shear_worker_new(&worker, job->plan, job->size, slot, err);
-    while (code == SHEAR_OK && shear_work_step(work, worker)) {
+    CLEANUP(shear_worker_release) shear_worker *worker = NULL;
+    TRY(shear_worker_new(&worker, job->work.plan, job->work.size, slot, err));
+    while (shear_work_step(work, worker)) {
         if (slot == 0 && report_progress(job, work) != 0)
-            code = shear_fail(err, SHEAR_E_CANCELLED, NULL, "stopped by the caller");
+            return shear_fail(err, SHEAR_E_CANCELLED, NULL, "stopped by the caller");
     }
-    shear_worker_free(worker);
-    return code;
+    return SHEAR_OK;
 }
 
 static int run_team(const team_job *job, shear_work *work, shear_error *err) {
@@ -55,16 +54,6 @@ static int run_team(const team_job *job, shear_work *work, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int sums_init(team_sums *out, const team_job *job, shear_error *err) {
-    const bool symmetric =
-        shear_estimator_is_symmetric(shear_plan_get_settings(job->plan)->estimator);
-    *out = (team_sums){0};
-    TRY(shear_field_sums_new(&out->sums, err));
-    if (job->terms || symmetric)
-        TRY(shear_symmetry_new(&out->terms, err));
-    return job->jackknife ? shear_jackknife_new(&out->jackknife, 2, err) : SHEAR_OK;
-}
-
 void team_sums_deinit(team_sums *sums) {
     shear_field_sums_free(sums->sums);
     shear_symmetry_free(sums->terms);
@@ -72,25 +61,20 @@ void team_sums_deinit(team_sums *sums) {
     *sums = (team_sums){0};
 }
 
-static int measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err) {
-    const shear_work_spec spec = {.info = job->info,
-                                  .plan = job->plan,
-                                  .source = job->source,
-                                  .size = job->size,
-                                  .sink = job->sink,
-                                  .jackknife = out->jackknife,
-                                  .terms = out->terms != NULL};
+int team_measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err) {
+    const enum shear_estimator estimator = shear_plan_get_settings(job->work.plan)->estimator;
     CLEANUP(shear_work_release) shear_work *work = NULL;
+    shear_work_spec spec = job->work;
     int64_t blocks = 0;
+    *out = (team_sums){0};
+    TRY(shear_field_sums_new(&out->sums, err));
+    if (spec.terms || shear_estimator_is_symmetric(estimator))
+        TRY(shear_symmetry_new(&out->terms, err));
+    if (job->jackknife)
+        TRY(shear_jackknife_new(&out->jackknife, 2, err));
+    spec.jackknife = out->jackknife;
     TRY(shear_work_new(&work, &spec, err));
     TRY(run_team(job, work, err));
-    int code = shear_work_join_terms(work, out->sums, 0, out->terms, &blocks, err);
-    return code != SHEAR_OK ? code
-                            : shear_estimate(shear_plan_get_settings(job->plan)->estimator,
-                                             out->sums, out->terms, result, err);
-}
-
-int team_measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err) {
-    TRY(sums_init(out, job, err));
-    return measure(job, out, result, err);
+    TRY(shear_work_join_terms(work, out->sums, 0, out->terms, &blocks, err));
+    return shear_estimate(estimator, out->sums, out->terms, result, err);
 }

@@ -5,14 +5,9 @@
 #include "shear/work.h"
 
 typedef struct team_job {
-    const shear_field_info *info;
-    const shear_plan *plan;
-    shear_source source; /* with a slot for every thread */
-    shear_sink sink;
-    shear_unit_size size;
+    shear_work_spec work; /* the source has a slot for every thread; without a jackknife */
     int threads;
     bool jackknife; /* keep the sums of all blocks */
-    bool terms;     /* keep the stamps' terms, even if the estimator needs none */
     /* As in shear_run_options; may be NULL. */
     int (*progress)(void *context, int64_t done, int64_t total);
     void *context;

@@ -7,12 +7,12 @@
 #include "shear/work.h"
 
 #include "base/cleanup.h"
+#include "base/lock.h"
 #include "common/release.h"
 #include "run/reorder_buffer.h"
 
 #include <assert.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -135,28 +135,25 @@ void shear_worker_free(shear_worker *worker) {
 }
 
 static bool claim_unit(shear_work *work, work_unit *u) {
-    pthread_mutex_lock(&work->units);
+    LOCK_HOLD(&work->units);
     const int64_t left = work->stopped ? 0 : work->n_blocks - work->next_block;
-    const bool taken = left > 0;
-    if (taken) {
-        u->block = work->next_block;
-        u->n = left < work->spec.size.blocks ? (int)left : work->spec.size.blocks;
-        u->first = u->block * SHEAR_BLOCK;
-        u->end = (u->block + u->n) * SHEAR_BLOCK;
-        u->end = u->end < work->spec.info->n_stamps ? u->end : work->spec.info->n_stamps;
-        work->next_block += u->n;
-        work->under_way++;
-    }
-    pthread_mutex_unlock(&work->units);
-    return taken;
+    if (left <= 0)
+        return false;
+    u->block = work->next_block;
+    u->n = left < work->spec.size.blocks ? (int)left : work->spec.size.blocks;
+    u->first = u->block * SHEAR_BLOCK;
+    u->end = (u->block + u->n) * SHEAR_BLOCK;
+    u->end = u->end < work->spec.info->n_stamps ? u->end : work->spec.info->n_stamps;
+    work->next_block += u->n;
+    work->under_way++;
+    return true;
 }
 
 static void release_unit(shear_work *work, bool stop) {
-    pthread_mutex_lock(&work->units);
+    LOCK_HOLD(&work->units);
     assert(work->under_way > 0);
     work->under_way--;
     work->stopped = work->stopped || stop;
-    pthread_mutex_unlock(&work->units);
 }
 
 static int read_stamps(shear_work *work, const shear_worker *worker, int64_t first, int count,
@@ -164,10 +161,8 @@ static int read_stamps(shear_work *work, const shear_worker *worker, int64_t fir
     const shear_source *source = &work->spec.source;
     if (source->concurrent)
         return source->read(source->self, worker->slot, first, count, block, err);
-    pthread_mutex_lock(&work->reader);
-    const int code = source->read(source->self, worker->slot, first, count, block, err);
-    pthread_mutex_unlock(&work->reader);
-    return code;
+    LOCK_HOLD(&work->reader);
+    return source->read(source->self, worker->slot, first, count, block, err);
 }
 
 static int write_rows(shear_work *work, const shear_worker *worker, const shear_block *block,
@@ -175,25 +170,22 @@ static int write_rows(shear_work *work, const shear_worker *worker, const shear_
     const shear_sink *sink = &work->spec.sink;
     if (sink->write == NULL)
         return SHEAR_OK;
-    pthread_mutex_lock(&work->sink);
-    const int code = sink->write(sink->self, first, count, worker->rows, block, err);
-    pthread_mutex_unlock(&work->sink);
-    return code;
+    LOCK_HOLD(&work->sink);
+    return sink->write(sink->self, first, count, worker->rows, block, err);
 }
 
 static int sum_rows(shear_worker *worker, const work_unit *u, const shear_plan *plan, int64_t first,
                     int count, shear_error *err) {
     const double beta = shear_plan_get_info(plan)->beta_px;
-    int code = SHEAR_OK;
-    for (int i = 0; i < count && code == SHEAR_OK; i++) {
+    for (int i = 0; i < count; i++) {
         shear_block_sums *b = &worker->sums[(first + i - u->first) / SHEAR_BLOCK];
         if ((first + i) % SHEAR_BLOCK == 0)
             shear_block_sums_init(b);
         shear_block_sums_add(b, &worker->rows[i]);
         if (worker->terms != NULL)
-            code = shear_symmetry_add(worker->terms, &worker->rows[i], beta, err);
+            TRY(shear_symmetry_add(worker->terms, &worker->rows[i], beta, err));
     }
-    return code;
+    return SHEAR_OK;
 }
 
 /* Prepare empty terms for the unit, or none if this work needs none. */
@@ -221,13 +213,13 @@ static int measure_stamps(shear_work *work, shear_worker *worker, const work_uni
 
 static int measure_unit(shear_work *work, shear_worker *worker, const work_unit *u,
                         shear_error *err) {
-    int code = begin_terms(work, worker, err);
-    for (int64_t at = u->first; at < u->end && code == SHEAR_OK; at += worker->size.stamps) {
+    TRY(begin_terms(work, worker, err));
+    for (int64_t at = u->first; at < u->end; at += worker->size.stamps) {
         const int64_t left = u->end - at;
         const int count = left < worker->size.stamps ? (int)left : worker->size.stamps;
-        code = measure_stamps(work, worker, u, at, count, err);
+        TRY(measure_stamps(work, worker, u, at, count, err));
     }
-    return code;
+    return SHEAR_OK;
 }
 
 static int hand_over(shear_work *work, const shear_worker *worker, const work_unit *u,
@@ -235,22 +227,19 @@ static int hand_over(shear_work *work, const shear_worker *worker, const work_un
     assert(u->first < u->end && u->n <= worker->size.blocks);
     const block_result r = {
         .block = u->block, .n = u->n, .sums = worker->sums, .terms = worker->terms};
-    pthread_mutex_lock(&work->results);
-    const int code = reorder_buffer_add(&work->summed, &r, err);
+    LOCK_HOLD(&work->results);
     work->done += u->end - u->first;
-    pthread_mutex_unlock(&work->results);
-    return code;
+    return reorder_buffer_add(&work->summed, &r, err);
 }
 
 static void record_failure(shear_work *work, const work_unit *u, int code,
                            const shear_error *error) {
-    pthread_mutex_lock(&work->results);
+    LOCK_HOLD(&work->results);
     if (work->code == SHEAR_OK || u->block < work->failed_at) {
         work->code = code;
         work->failed_at = u->block;
         work->error = *error;
     }
-    pthread_mutex_unlock(&work->results);
 }
 
 static int finish_unit(shear_work *work, shear_worker *worker, const work_unit *u,
@@ -272,9 +261,8 @@ bool shear_work_step(shear_work *work, shear_worker *worker) {
 }
 
 void shear_work_stop(shear_work *work) {
-    pthread_mutex_lock(&work->units);
+    LOCK_HOLD(&work->units);
     work->stopped = true;
-    pthread_mutex_unlock(&work->units);
 }
 
 void shear_work_fail(shear_work *work, const shear_error *err) {
@@ -299,40 +287,27 @@ shear_work_status shear_work_get_status(shear_work *work) {
 }
 
 int shear_work_get_error(shear_work *work, shear_error *err) {
-    pthread_mutex_lock(&work->results);
-    const int code = work->code;
+    LOCK_HOLD(&work->results);
     if (err != NULL)
         *err = work->error;
-    pthread_mutex_unlock(&work->results);
-    return code;
+    return work->code;
 }
 
 int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
-    pthread_mutex_lock(&work->results);
+    LOCK_HOLD(&work->results);
     shear_field_sums_join(sums, work->summed.sums);
-    const int64_t next = work->summed.next_block;
-    pthread_mutex_unlock(&work->results);
-    return next;
-}
-
-/* Join the sums and terms so far; the caller holds the lock `results`. */
-static int join_terms(const reorder_buffer *summed, shear_field_sums *sums, size_t from,
-                      shear_symmetry *terms, int64_t *next_block, shear_error *err) {
-    const int code =
-        summed->terms != NULL ? shear_symmetry_join(terms, summed->terms, from, err) : SHEAR_OK;
-    if (code != SHEAR_OK)
-        return code;
-    shear_field_sums_join(sums, summed->sums);
-    *next_block = summed->next_block;
-    return SHEAR_OK;
+    return work->summed.next_block;
 }
 
 int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
                           shear_symmetry *terms, int64_t *next_block, shear_error *err) {
-    pthread_mutex_lock(&work->results);
-    const int code = join_terms(&work->summed, sums, from, terms, next_block, err);
-    pthread_mutex_unlock(&work->results);
-    return code;
+    const reorder_buffer *summed = &work->summed;
+    LOCK_HOLD(&work->results);
+    if (summed->terms != NULL)
+        TRY(shear_symmetry_join(terms, summed->terms, from, err));
+    shear_field_sums_join(sums, summed->sums);
+    *next_block = summed->next_block;
+    return SHEAR_OK;
 }
 
 int shear_work_sync(shear_work *work, int64_t next_block, shear_error *err) {
@@ -341,8 +316,6 @@ int shear_work_sync(shear_work *work, int64_t next_block, shear_error *err) {
     const int64_t all = work->spec.info->n_stamps;
     if (sink->sync == NULL)
         return SHEAR_OK;
-    pthread_mutex_lock(&work->sink);
-    const int code = sink->sync(sink->self, rows < all ? rows : all, err);
-    pthread_mutex_unlock(&work->sink);
-    return code;
+    LOCK_HOLD(&work->sink);
+    return sink->sync(sink->self, rows < all ? rows : all, err);
 }

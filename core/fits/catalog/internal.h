@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/cleanup.h"
+#include "fits/field/columns.h"
 #include "fits/io/bitset.h"
 #include "fits/io/output.h"
 #include "shear/catalog.h"
@@ -23,14 +24,14 @@ CLEANUP_DEFINE(shear_catalog, shear_catalog_abort)
 /* Make a catalog with nothing open yet. *c is NULL on error. */
 int sf_catalog_new(shear_catalog **c, const char *path, const shear_field_info *info,
                    shear_error *err);
-/* Create the table in the empty file c->out. `kept_for`: the input's checksum for a file that
- * outlives its process, or NULL. */
-int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, const char *kept_for,
-                            shear_error *err);
+/* Create the file at `path`, with its table. `kept_for`: the input's checksum for a file that
+ * outlives its process (which replaces any other), or NULL. *c is NULL on error. */
+int sf_catalog_begin(shear_catalog **c, const char *path, const shear_field_info *info,
+                     const char *kept_for, bool overwrite, shear_error *err);
+/* Return the columns of a catalog for a field file with these columns. */
+sf_layout sf_catalog_layout(unsigned columns);
 /* Fail unless the CFITSIO status is 0: "cannot be written". */
 int sf_catalog_check(const shear_catalog *c, int status, shear_error *err);
-/* Return whether the table at c->out.fits has exactly the columns of *c. */
-bool sf_catalog_has_columns(shear_catalog *c);
 
 /* Keywords of an unfinished file, removed from the finished one: the input's checksum, and the
  * number of rows that are on disk. */

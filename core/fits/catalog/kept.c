@@ -14,13 +14,7 @@ static int not_usable(const shear_catalog *c, const char *why, shear_error *err)
 
 int shear_catalog_begin(shear_catalog **catalog, const char *path, const shear_field_info *info,
                         const char *checksum, shear_error *err) {
-    CLEANUP(shear_catalog_release) shear_catalog *c = NULL;
-    *catalog = NULL;
-    TRY(sf_catalog_new(&c, path, info, err));
-    TRY(sf_output_create_kept(&c->out, path, err));
-    TRY(sf_catalog_create_table(c, info, checksum, err));
-    *catalog = CLEANUP_TAKE(c);
-    return SHEAR_OK;
+    return sf_catalog_begin(catalog, path, info, checksum, true, err);
 }
 
 /* What the file must contain. */
@@ -45,25 +39,33 @@ static int check_keys(const expected *e, const sf_cards *cards, shear_error *err
     return SHEAR_OK;
 }
 
+static bool has_columns(const sf_table *table, unsigned columns) {
+    const sf_layout l = sf_catalog_layout(columns);
+    bool same = table->n == l.n;
+    for (int i = 0; i < l.n && same; i++)
+        same = strcmp(table->columns[i].name, l.names[i]) == 0;
+    return same;
+}
+
 /* Check that the file is one table and nothing else, before it is given to CFITSIO. */
-static int check_table(const expected *e, const sf_file *file, shear_error *err) {
+static int check_file(const char *path, void *context, shear_error *err) {
+    const expected *e = context;
     const sf_hdu *hdu = NULL;
-    TRY(sf_file_find(file, SF_CATALOG_HDU, true, &hdu, err));
-    if (file->count != 2 || file->hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
+    CLEANUP(sf_file_close) sf_file file;
+    CLEANUP(sf_cards_deinit) sf_cards cards = {0};
+    CLEANUP(sf_table_deinit) sf_table table = {0};
+    TRY(sf_file_open(&file, path, -1, err));
+    TRY(sf_file_find(&file, SF_CATALOG_HDU, true, &hdu, err));
+    if (file.count != 2 || file.hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
         hdu->axes[1] != e->catalog->n) {
         return not_usable(e->catalog, "its table has another shape", err);
     }
-    CLEANUP(sf_cards_deinit) sf_cards cards = {0};
-    CLEANUP(sf_table_deinit) sf_table table = {0};
-    TRY(sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err));
-    TRY(sf_table_init(&table, file, hdu, &cards, err));
-    return check_keys(e, &cards, err);
-}
-
-static int check_file(const char *path, void *context, shear_error *err) {
-    CLEANUP(sf_file_close) sf_file file;
-    TRY(sf_file_open(&file, path, -1, err));
-    return check_table(context, &file, err);
+    TRY(sf_cards_init(&cards, &file, hdu, SF_CATALOG_HDU, err));
+    TRY(sf_table_init(&table, &cards, err));
+    TRY(check_keys(e, &cards, err));
+    return has_columns(&table, e->catalog->columns)
+               ? SHEAR_OK
+               : not_usable(e->catalog, "its table has another shape", err);
 }
 
 static int move_to_table(shear_catalog *c, shear_error *err) {
@@ -85,8 +87,6 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
     expected e = {c, checksum, rows};
     TRY(sf_output_reopen(&c->out, path, check_file, &e, err));
     TRY(move_to_table(c, err));
-    if (!sf_catalog_has_columns(c))
-        return not_usable(c, "its table has another shape", err);
     sf_bitset_add(&c->written, 0, rows);
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;

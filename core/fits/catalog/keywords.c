@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "fits/catalog/schema.h"
 #include "fits/field/name.h"
-#include "fits/header/key_write.h"
+#include "fits/io/output.h"
 #include "measure/result.h"
 #include "shear/version.h"
 
@@ -22,17 +22,12 @@ static void put_string(fitsfile *f, const char *key, const char *text, const cha
     fits_write_key_longstr(f, key, clean, comment, status);
 }
 
-static void put_integer(fitsfile *f, const char *key, int64_t value, const char *comment,
-                        int *status) {
-    fits_write_key_lng(f, key, value, comment, status);
-}
-
 void sf_catalog_write_field(fitsfile *f, const shear_field_info *info, int *status) {
     if (info->name[0] != '\0')
         put_string(f, "FIELD", info->name, "name of the field", status);
     if (info->has_truth) {
-        sf_key_write_double(f, "SIM_G1", info->sim_g1, "true shear of the mock", status);
-        sf_key_write_double(f, "SIM_G2", info->sim_g2, "true shear of the mock", status);
+        sf_output_double(f, "SIM_G1", info->sim_g1, "true shear of the mock", status);
+        sf_output_double(f, "SIM_G2", info->sim_g2, "true shear of the mock", status);
     }
 }
 
@@ -48,9 +43,9 @@ static void put_setting(fitsfile *f, const shear_settings *s, const shear_settin
     if (def->type == SHEAR_T_BOOL) {
         fits_write_key_log(f, def->keyword, *(const bool *)member ? 1 : 0, comment, status);
     } else if (def->type == SHEAR_T_INT && strcmp(text, "auto") != 0) {
-        put_integer(f, def->keyword, *(const int *)member, comment, status);
+        fits_write_key_lng(f, def->keyword, *(const int *)member, comment, status);
     } else if (def->type == SHEAR_T_DOUBLE && isfinite(*(const double *)member)) {
-        sf_key_write_double(f, def->keyword, *(const double *)member, comment, status);
+        sf_output_double(f, def->keyword, *(const double *)member, comment, status);
     } else {
         put_string(f, def->keyword, text, comment, status);
     }
@@ -64,26 +59,18 @@ static void put_settings(fitsfile *f, const shear_settings *s, int *status) {
 }
 
 static void put_resolved(fitsfile *f, const shear_plan_info *p, int *status) {
-    sf_key_write_double(f, "R_PSF", p->r_psf_px, "[px] scale radius of the PSF", status);
-    sf_key_write_double(f, "BETA", p->beta_px, "[px] scale radius of the target PSF", status);
+    sf_output_double(f, "R_PSF", p->r_psf_px, "[px] scale radius of the PSF", status);
+    sf_output_double(f, "BETA", p->beta_px, "[px] scale radius of the target PSF", status);
     put_string(f, "RINTERP", shear_interpolation_name(p->interpolation), "interpolation used",
                status);
-    put_integer(f, "ROVERS", p->oversample, "fine grid used, points per pixel", status);
+    fits_write_key_lng(f, "ROVERS", p->oversample, "fine grid used, points per pixel", status);
     put_string(f, "RFILTER", shear_filter_name(p->filter), "filter used", status);
-    sf_key_write_double(f, "RCORE", p->core_px,
-                        "[px] core of the filter; absent: none or per stamp", status);
-    sf_key_write_double(f, "RWIDTH", p->width_px, "[px] width of the filter's edge", status);
+    sf_output_double(f, "RCORE", p->core_px, "[px] core of the filter; absent: none or per stamp",
+                     status);
+    sf_output_double(f, "RWIDTH", p->width_px, "[px] width of the filter's edge", status);
     put_string(f, "RNOISEBD", shear_noise_band_name(p->noise_band),
                "where the noise level was read off", status);
-    sf_key_write_double(f, "KCUT", p->k_cut, "[rad/px] modes from here on are left out", status);
-}
-
-static void put_counts(fitsfile *f, const shear_result *r, int *status) {
-    put_integer(f, "NSTAMPS", r->n_stamps, "stamps, all of them rows here", status);
-    put_integer(f, "NUSED", r->n_used, "stamps in the sums", status);
-    put_integer(f, "NFLAGGED", r->n_flagged, "stamps left out", status);
-    for (int i = 0; i < SHEAR_N_FLAGS; i++)
-        put_integer(f, sf_flag_keywords[i], r->flagged[i], shear_flag_name(i), status);
+    sf_output_double(f, "KCUT", p->k_cut, "[rad/px] modes from here on are left out", status);
 }
 
 /* Numbers of the result; the first N_SHEARS need a valid one. */
@@ -108,13 +95,17 @@ static const struct {
 static void put_result(fitsfile *f, const shear_result *r, int *status) {
     for (int i = r->valid ? 0 : N_SHEARS; i < N_NUMBERS; i++) {
         const double *value = (const void *)((const char *)r + numbers[i].offset);
-        sf_key_write_double(f, numbers[i].key, *value, numbers[i].comment, status);
+        sf_output_double(f, numbers[i].key, *value, numbers[i].comment, status);
     }
     if (r->top_stamp >= 0)
-        put_integer(f, "TOPSTAMP", r->top_stamp, "its number, from 0", status);
+        fits_write_key_lng(f, "TOPSTAMP", r->top_stamp, "its number, from 0", status);
     put_string(f, "ERRMETH", shear_error_method(r), "where the errors are from", status);
-    put_integer(f, "NJACK", r->jackknife, "groups of the jackknife", status);
-    put_counts(f, r, status);
+    fits_write_key_lng(f, "NJACK", r->jackknife, "groups of the jackknife", status);
+    fits_write_key_lng(f, "NSTAMPS", r->n_stamps, "stamps, all of them rows here", status);
+    fits_write_key_lng(f, "NUSED", r->n_used, "stamps in the sums", status);
+    fits_write_key_lng(f, "NFLAGGED", r->n_flagged, "stamps left out", status);
+    for (int i = 0; i < SHEAR_N_FLAGS; i++)
+        fits_write_key_lng(f, sf_flag_keywords[i], r->flagged[i], shear_flag_name(i), status);
 }
 
 static void put_flag_legend(fitsfile *f, int *status) {

@@ -77,7 +77,7 @@ static int read_table(const sf_file *file, shear_catalog_table *t, shear_error *
                        "must be a plain binary table (BINTABLE)");
     }
     TRY(sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err));
-    TRY(sf_table_init(&table, file, hdu, &cards, err));
+    TRY(sf_table_init(&table, &cards, err));
     TRY(check_columns(&table, err));
     t->n = hdu->axes[1];
     TRY(sf_catalog_read_header(&cards, t, err));

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static sf_layout lay_out(unsigned columns) {
+sf_layout sf_catalog_layout(unsigned columns) {
     sf_layout l = {0};
     sf_layout_add_columns(&l, columns & SF_CATALOG_COPIED);
     for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
@@ -28,26 +28,12 @@ int sf_catalog_check(const shear_catalog *c, int status, shear_error *err) {
                            "cannot be written");
 }
 
-bool sf_catalog_has_columns(shear_catalog *c) {
-    int status = 0;
-    int n = 0;
-    sf_layout l = lay_out(c->columns);
-    fits_get_num_cols(c->out.fits, &n, &status);
-    bool same = status == 0 && n == l.n;
-    for (int i = 0; i < l.n && same; i++) {
-        int number = 0;
-        fits_get_colnum(c->out.fits, CASESEN, l.names[i], &number, &status);
-        same = status == 0 && number == i + 1;
-    }
-    fits_clear_errmsg();
-    return same;
-}
-
-int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, const char *kept_for,
-                            shear_error *err) {
+/* Create the table in the empty file c->out. */
+static int create_table(shear_catalog *c, const shear_field_info *info, const char *kept_for,
+                        shear_error *err) {
     fitsfile *f = c->out.fits;
     int status = 0;
-    sf_layout l = lay_out(c->columns);
+    sf_layout l = sf_catalog_layout(c->columns);
     fits_create_img(f, BYTE_IMG, 0, NULL, &status);
     fits_create_tbl(f, BINARY_TBL, c->n, l.n, l.names, l.forms, l.units, SF_CATALOG_HDU, &status);
     for (int i = 0; i < l.n; i++) {
@@ -84,15 +70,21 @@ int sf_catalog_new(shear_catalog **catalog, const char *path, const shear_field_
     return SHEAR_OK;
 }
 
-int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_field_info *info,
-                         bool overwrite, shear_error *err) {
+int sf_catalog_begin(shear_catalog **catalog, const char *path, const shear_field_info *info,
+                     const char *kept_for, bool overwrite, shear_error *err) {
     CLEANUP(shear_catalog_release) shear_catalog *c = NULL;
     *catalog = NULL;
     TRY(sf_catalog_new(&c, path, info, err));
-    TRY(sf_output_create(&c->out, path, overwrite, err));
-    TRY(sf_catalog_create_table(c, info, NULL, err));
+    TRY(kept_for != NULL ? sf_output_create_kept(&c->out, path, err)
+                         : sf_output_create(&c->out, path, overwrite, err));
+    TRY(create_table(c, info, kept_for, err));
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
+}
+
+int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_field_info *info,
+                         bool overwrite, shear_error *err) {
+    return sf_catalog_begin(catalog, path, info, NULL, overwrite, err);
 }
 
 /* Write ids in their stored form: CFITSIO would convert them through doubles if TZERO is not 0. */
@@ -166,24 +158,18 @@ static void remove_kept_keys(fitsfile *f) {
     fits_clear_errmsg();
 }
 
-/* Do all but close the file and put it in place. */
-static int complete(shear_catalog *c, const shear_plan *plan, const shear_result *result,
-                    const char *input_name, const char *checksum, shear_error *err) {
-    int status = 0;
-    const int64_t gap = sf_bitset_first_gap(&c->written);
-    if (gap >= 0) {
-        return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){c->out.name, SF_CATALOG_HDU}, NULL,
-                       "row %lld was never written", (long long)gap);
-    }
-    remove_kept_keys(c->out.fits);
-    sf_catalog_write_result(c->out.fits, plan, result, input_name, checksum, &status);
-    return sf_catalog_check(c, status, err);
-}
-
 int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
                          const char *input_name, const char *checksum, shear_error *err) {
     CLEANUP(shear_catalog_release) shear_catalog *own = c;
-    TRY(complete(own, plan, result, input_name, checksum, err));
+    int status = 0;
+    const int64_t gap = sf_bitset_first_gap(&own->written);
+    if (gap >= 0) {
+        return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){own->out.name, SF_CATALOG_HDU}, NULL,
+                       "row %lld was never written", (long long)gap);
+    }
+    remove_kept_keys(own->out.fits);
+    sf_catalog_write_result(own->out.fits, plan, result, input_name, checksum, &status);
+    TRY(sf_catalog_check(own, status, err));
     return sf_output_commit(&own->out, err);
 }
 

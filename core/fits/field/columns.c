@@ -72,7 +72,7 @@ int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_erro
     const sf_place at = {part->file->source.name, part->label};
     TRY(check_table(part->hdu, at, rows, err));
     TRY(sf_cards_init(&c->cards, part->file, part->hdu, part->label, err));
-    TRY(sf_table_init(&c->table, part->file, part->hdu, &c->cards, err));
+    TRY(sf_table_init(&c->table, &c->cards, err));
     for (int i = 0; i < SF_COLUMNS; i++) {
         TRY(sf_table_find_number(&c->table, sf_column_defs[i].name, &c->column[i], err));
         c->have |= c->column[i] != NULL ? sf_column_defs[i].bit : 0u;

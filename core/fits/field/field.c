@@ -4,8 +4,139 @@
 
 #include "base/cleanup.h"
 #include "fits/field/internal.h"
+#include "fits/field/name.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* ---- keywords of the primary header, in the file that holds the galaxies ---- */
+
+/* Return the name without blanks around it: trailing blanks mean nothing in FITS. */
+static char *trim(char *text) {
+    text += strspn(text, " ");
+    for (size_t n = strlen(text); n > 0 && text[n - 1] == ' '; n--)
+        text[n - 1] = '\0';
+    return text;
+}
+
+static int read_name(shear_field *f, const sf_cards *primary, shear_error *err) {
+    const sf_file *galaxy = f->parts.of[SHEAR_PART_GALAXY].file;
+    CLEANUP(release_free) char *text = NULL;
+    TRY(sf_key_string(primary, "FIELD", &text, err));
+    const char *given = text == NULL ? "" : trim(text);
+    if (given[0] != '\0') {
+        return sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, primary->at, "keyword FIELD",
+                                  err);
+    }
+    /* A file name need not be a valid field name; shear_field_need_name() reports that, if the name
+     * is needed. */
+    char base[sizeof galaxy->source.base];
+    sf_field_name_default(base, sizeof base, galaxy->source.base);
+    if (sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, primary->at, "from the file's name",
+                           NULL) != SHEAR_OK) {
+        f->info.name[0] = '\0';
+    }
+    return SHEAR_OK;
+}
+
+static int read_pixscale(shear_field *f, const sf_cards *primary, shear_error *err) {
+    double *pixscale = &f->info.pixscale;
+    *pixscale = NAN;
+    TRY(sf_key_double(primary, "PIXSCALE", pixscale, err));
+    return !(*pixscale <= 0.0)
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, primary->at, "give arcseconds per pixel",
+                         "keyword PIXSCALE is %g, but must be positive", *pixscale);
+}
+
+static int read_shear(const sf_cards *primary, const char *key, double *g, shear_error *err) {
+    *g = NAN;
+    TRY(sf_key_double(primary, key, g, err));
+    return !(fabs(*g) >= 1.0)
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, primary->at, NULL,
+                         "keyword %s is %g, but a shear lies between -1 and 1", key, *g);
+}
+
+static int read_primary(shear_field *f, shear_error *err) {
+    const sf_file *file = f->parts.of[SHEAR_PART_GALAXY].file;
+    CLEANUP(sf_cards_deinit) sf_cards primary;
+    TRY(sf_cards_init(&primary, file, &file->hdus[0], "primary", err));
+    TRY(read_name(f, &primary, err));
+    TRY(read_pixscale(f, &primary, err));
+    TRY(read_shear(&primary, "SIM_G1", &f->info.sim_g1, err));
+    TRY(read_shear(&primary, "SIM_G2", &f->info.sim_g2, err));
+    f->info.has_truth = !isnan(f->info.sim_g1) && !isnan(f->info.sim_g2);
+    return SHEAR_OK;
+}
+
+/* ---- the PSFs: their shape and number, and which stamp each belongs to ---- */
+
+static int check_psf_sides(const shear_field *f, shear_error *err) {
+    const int64_t *axes = f->psf.axes;
+    for (int k = 0; k < 2; k++) {
+        if (axes[k] < SF_PSF_MIN_SIDE || axes[k] > SF_PSF_MAX_SIDE) {
+            return sf_fail(err, SHEAR_E_FORMAT, f->psf.cards.at, NULL,
+                           "its images are %lld x %lld samples, but a side must have %d to %d",
+                           (long long)axes[0], (long long)axes[1], SF_PSF_MIN_SIDE,
+                           SF_PSF_MAX_SIDE);
+        }
+    }
+    return SHEAR_OK;
+}
+
+static int find_oversampling(const sf_cards *cards, int64_t *oversample, shear_error *err) {
+    return sf_key_int(cards, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, err);
+}
+
+/* Read OVERSAMP: from the PSFs' HDU, else the primary header, else 1. */
+static int read_oversampling(shear_field *f, shear_error *err) {
+    const sf_file *file = f->parts.of[SHEAR_PART_PSF].file;
+    CLEANUP(sf_cards_deinit) sf_cards primary = {0};
+    int64_t oversample = SF_ABSENT;
+    TRY(find_oversampling(&f->psf.cards, &oversample, err));
+    if (oversample == SF_ABSENT) {
+        oversample = 1;
+        TRY(sf_cards_init(&primary, file, &file->hdus[0], "primary", err));
+        TRY(find_oversampling(&primary, &oversample, err));
+    }
+    f->info.geometry.psf_oversample = (int)oversample;
+    return SHEAR_OK;
+}
+
+static int assign_psfs(shear_field *f, shear_error *err) {
+    shear_field_info *info = &f->info;
+    info->n_psf = f->psf.axes[2];
+    if (info->n_psf == 1) {
+        info->psf_layout = SHEAR_PSF_ONE;
+    } else if ((info->columns & SHEAR_COL_PSF_ID) != 0) {
+        info->psf_layout = SHEAR_PSF_BY_ID;
+    } else if (info->n_psf == info->n_stamps) {
+        info->psf_layout = SHEAR_PSF_PER_STAMP;
+    } else {
+        return sf_fail(
+            err, SHEAR_E_FORMAT, f->psf.cards.at,
+            "give one image, or one per stamp, or a column PSF_ID in CATALOG",
+            "it has %lld images for %lld stamps, and there is no column PSF_ID that says "
+            "which is whose",
+            (long long)info->n_psf, (long long)info->n_stamps);
+    }
+    info->geometry.psf_nx = (int)f->psf.axes[0];
+    info->geometry.psf_ny = (int)f->psf.axes[1];
+    return SHEAR_OK;
+}
+
+static int open_psf(shear_field *f, shear_error *err) {
+    const sf_part *part = &f->parts.of[SHEAR_PART_PSF];
+    TRY(sf_part_require(part, err));
+    TRY(sf_image_init(&f->psf, part->file, part->hdu, part->label, err));
+    TRY(check_psf_sides(f, err));
+    TRY(assign_psfs(f, err));
+    return read_oversampling(f, err);
+}
+
+/* ---- the field ---- */
 
 static int check_noise(const shear_field *f, shear_error *err) {
     const sf_stamps *g = &f->galaxy;
@@ -45,26 +176,15 @@ static void fill_info(shear_field *f) {
     }
 }
 
-static int open_primary(shear_field *f, shear_error *err) {
-    const sf_file *file = f->parts.of[SHEAR_PART_GALAXY].file;
-    CLEANUP(sf_cards_deinit) sf_cards primary;
-    TRY(sf_cards_init(&primary, file, &file->hdus[0], "primary", err));
-    return sf_field_read_keys(f, &primary, err);
-}
-
-static int open_stamps(shear_field *f, shear_error *err) {
-    TRY(sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err));
-    TRY(sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err));
-    return check_noise(f, err);
-}
-
 static int open_field(shear_field *f, const shear_input *input, const int *fds, shear_error *err) {
     TRY(sf_parts_init(&f->parts, input, fds, err));
-    TRY(open_primary(f, err));
-    TRY(open_stamps(f, err));
+    TRY(read_primary(f, err));
+    TRY(sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err));
+    TRY(sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err));
+    TRY(check_noise(f, err));
     TRY(sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err));
     fill_info(f);
-    return sf_field_open_psf(f, err);
+    return open_psf(f, err);
 }
 
 int shear_field_open_input(shear_field **field, const shear_input *input, const int *fds,
@@ -104,13 +224,25 @@ const shear_field_info *shear_field_get_info(const shear_field *field) {
 }
 
 int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err) {
-    const shear_field_info *info = &field->info;
-    if (index < 0 || index >= info->n_psf) {
+    if (index < 0 || index >= field->info.n_psf) {
         return sf_fail(err, SHEAR_E_INTERNAL, field->psf.cards.at, NULL,
                        "image %lld was asked for, but there are %lld", (long long)index,
-                       (long long)info->n_psf);
+                       (long long)field->info.n_psf);
     }
-    const int64_t first[SF_AXES] = {0, 0, index};
-    const int64_t size[SF_AXES] = {info->geometry.psf_nx, info->geometry.psf_ny, 1};
-    return sf_image_read(&field->psf, first, size, out, err);
+    return sf_image_planes(&field->psf, index, 1, out, err);
+}
+
+int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err) {
+    if (info->name[0] != '\0')
+        return SHEAR_OK;
+    char shown[161];
+    char base[256];
+    char unused[sizeof info->name];
+    const char *slash = strrchr(path, '/');
+    sf_printable_name(shown, sizeof shown, path);
+    sf_field_name_default(base, sizeof base, slash != NULL ? slash + 1 : path);
+    const sf_place at = {shown, "primary"};
+    TRY(sf_field_name_copy(unused, base, SHEAR_E_FORMAT, at, "from the file's name", err));
+    return sf_fail(err, SHEAR_E_FORMAT, at, "give the keyword FIELD in the primary header",
+                   "the field has no name");
 }

@@ -15,9 +15,3 @@ struct shear_field {
     sf_image psf;
     sf_columns catalog;
 };
-
-/* Read FIELD, PIXSCALE, SIM_G1, SIM_G2 of the galaxies' file into f->info (keys.c). */
-int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err);
-/* Open the PSF's HDU and set its shape, number and OVERSAMP in f->info (psf.c). The catalog must be
- * open. */
-int sf_field_open_psf(shear_field *f, shear_error *err);

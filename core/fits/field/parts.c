@@ -2,6 +2,7 @@
 #include "fits/field/parts.h"
 
 #include "base/cleanup.h"
+#include "base/fingerprint.h"
 #include "base/text.h"
 
 #include <stdio.h>
@@ -15,7 +16,7 @@ static const char *const extnames[SHEAR_N_PARTS] = {"GALAXY", "NOISE", "PSF", "C
  * replaced meanwhile: the file is then the one that was opened. */
 static int find_file(const sf_parts *p, const struct stat *st) {
     for (int i = 0; i < p->n_files; i++) {
-        if (p->stats[i].st_dev == st->st_dev && p->stats[i].st_ino == st->st_ino)
+        if (fingerprint_same_file(&p->stats[i], st))
             return i;
     }
     return -1;
@@ -109,14 +110,6 @@ static int check_distinct(const sf_parts *p, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int init_whole(sf_parts *p, const char *path, int fd, shear_error *err) {
-    const sf_file *file = NULL;
-    TRY(open_file(p, path, fd, &file, err));
-    for (int i = 0; i < SHEAR_N_PARTS; i++)
-        TRY(choose_by_name(&p->of[i], i, file, err));
-    return SHEAR_OK;
-}
-
 static int missing(int part, shear_error *err) {
     return shear_fail(err, SHEAR_E_FORMAT, "give all of galaxy, noise and psf",
                       "there is no file for the %s", shear_part_name(part));
@@ -133,11 +126,14 @@ static int init_part(sf_parts *p, int i, const shear_input_part *wanted, int fd,
 }
 
 int sf_parts_init(sf_parts *p, const shear_input *input, const int *fds, shear_error *err) {
+    const sf_file *whole = NULL;
     *p = (sf_parts){0};
     if (input->path != NULL)
-        return init_whole(p, input->path, fds != NULL ? fds[0] : -1, err);
-    for (int i = 0; i < SHEAR_N_PARTS; i++)
-        TRY(init_part(p, i, &input->parts[i], fds != NULL ? fds[i] : -1, err));
+        TRY(open_file(p, input->path, fds != NULL ? fds[0] : -1, &whole, err));
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        TRY(whole != NULL ? choose_by_name(&p->of[i], i, whole, err)
+                          : init_part(p, i, &input->parts[i], fds != NULL ? fds[i] : -1, err));
+    }
     return check_distinct(p, err);
 }
 

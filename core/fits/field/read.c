@@ -17,14 +17,12 @@ static int check_range(const shear_field *f, int64_t first, int count, const she
 
 static int read_psf_per_stamp(shear_field *f, int64_t first, int count, shear_block *block,
                               shear_error *err) {
-    const int64_t low[SF_AXES] = {0, 0, first};
-    const int64_t size[SF_AXES] = {f->info.geometry.psf_nx, f->info.geometry.psf_ny, count};
     for (int i = 0; i < count; i++) {
         block->psf_index[i] = i;
         block->psf_id[i] = first + i;
     }
     block->stamps.n_psf = count;
-    return sf_image_read(&f->psf, low, size, block->psf, err);
+    return sf_image_planes(&f->psf, first, count, block->psf, err);
 }
 
 /* Find the place of image `id` in the block, and read the image if it is not there yet. *index is

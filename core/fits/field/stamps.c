@@ -102,11 +102,8 @@ static int read_run(sf_stamps *s, int64_t first, int64_t count, double *out, she
 
 int sf_stamps_read(sf_stamps *s, int64_t first, int64_t count, double *out, shear_error *err) {
     assert(first >= 0 && count >= 0 && first <= s->n - count);
-    if (s->layout == SHEAR_LAYOUT_CUBE) {
-        const int64_t low[SF_AXES] = {0, 0, first};
-        const int64_t size[SF_AXES] = {s->nx, s->ny, count};
-        return sf_image_read(&s->image, low, size, out, err);
-    }
+    if (s->layout == SHEAR_LAYOUT_CUBE)
+        return sf_image_planes(&s->image, first, count, out, err);
     for (int64_t done = 0; done < count;) {
         const int64_t in_row = s->columns - (first + done) % s->columns;
         const int64_t run = in_row < count - done ? in_row : count - done;

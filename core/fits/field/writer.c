@@ -3,8 +3,8 @@
  * written in any order. */
 #include "base/cleanup.h"
 #include "fits/field/columns.h"
-#include "fits/field/spec.h"
-#include "fits/header/key_write.h"
+#include "fits/field/internal.h"
+#include "fits/field/name.h"
 #include "fits/io/bitset.h"
 #include "fits/io/output.h"
 
@@ -20,6 +20,64 @@ struct shear_field_writer {
     sf_bitset stamps, psfs; /* written so far */
 };
 
+/* ---- the specification ---- */
+
+static int bad_spec(sf_place at, const char *what, shear_error *err) {
+    return sf_fail(err, SHEAR_E_SETTING, at, NULL, "cannot be made: %s", what);
+}
+
+static bool inside(int64_t value, int64_t min, int64_t max) {
+    return value >= min && value <= max;
+}
+
+static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err) {
+    const shear_geometry *g = &s->geometry;
+    const bool has_ids = (s->columns & SHEAR_COL_PSF_ID) != 0;
+    const struct {
+        bool kept;
+        const char *what;
+    } rules[] = {
+        {inside(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
+             inside(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE),
+         "a stamp's side must have 8 to 1024 pixels"},
+        {inside(g->psf_nx, SF_PSF_MIN_SIDE, SF_PSF_MAX_SIDE) &&
+             inside(g->psf_ny, SF_PSF_MIN_SIDE, SF_PSF_MAX_SIDE),
+         "a PSF's side must have 3 to 4096 samples"},
+        {inside(g->psf_oversample, 1, SF_MAX_OVERSAMPLE), "the PSF's oversampling must be 1 to 64"},
+        {inside(s->n_stamps, 1, INT32_MAX), "the number of stamps must be 1 to 2147483647"},
+        {inside(s->noise_planes, 0, SHEAR_MAX_NOISE_PLANES),
+         "there must be 1 to 64 noise stamps per galaxy"},
+        {s->n_psf == 1 || s->n_psf == s->n_stamps || (has_ids && inside(s->n_psf, 1, INT32_MAX)),
+         "there must be one PSF, or one per stamp, or a column PSF_ID"},
+        {s->layout == SHEAR_LAYOUT_CUBE || s->layout == SHEAR_LAYOUT_MOSAIC,
+         "the layout is neither cube nor mosaic"},
+        {inside(s->mosaic_columns, 0, s->n_stamps),
+         "a mosaic's row must have 1 to n_stamps stamps"},
+        {s->bitpix == -32 || s->bitpix == -64, "BITPIX must be -32 or -64"},
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+        if (!rules[i].kept)
+            return bad_spec(at, rules[i].what, err);
+    }
+    return SHEAR_OK;
+}
+
+/* Check that the reader would accept the file. SHEAR_E_SETTING; `file` is for messages. */
+static int check_spec(const shear_field_spec *s, const char *file, shear_error *err) {
+    const sf_place at = {file, NULL};
+    if (s->name != NULL) {
+        char copy[SHEAR_FIELD_NAME_SIZE];
+        TRY(sf_field_name_copy(copy, s->name, SHEAR_E_SETTING, at, "as given", err));
+    }
+    if (!isnan(s->pixscale) && !(s->pixscale > 0.0 && isfinite(s->pixscale)))
+        return bad_spec(at, "the pixel scale must be positive", err);
+    if (s->has_truth && !(fabs(s->sim_g1) < 1.0 && fabs(s->sim_g2) < 1.0))
+        return bad_spec(at, "the true shear must lie between -1 and 1", err);
+    return check_sizes(s, at, err);
+}
+
+/* ---- the file ---- */
+
 static int result(const shear_field_writer *w, const char *hdu, int status, shear_error *err) {
     return sf_check_status(err, (sf_place){w->out.name, hdu}, status, "cannot be written");
 }
@@ -30,10 +88,10 @@ static int write_primary(shear_field_writer *w, const shear_field_spec *spec, sh
     fits_create_img(f, BYTE_IMG, 0, NULL, &status);
     if (spec->name != NULL)
         fits_write_key_longstr(f, "FIELD", spec->name, "name of the field", &status);
-    sf_key_write_double(f, "PIXSCALE", spec->pixscale, "[arcsec] per pixel", &status);
+    sf_output_double(f, "PIXSCALE", spec->pixscale, "[arcsec] per pixel", &status);
     if (spec->has_truth) {
-        sf_key_write_double(f, "SIM_G1", spec->sim_g1, "true shear of the mock", &status);
-        sf_key_write_double(f, "SIM_G2", spec->sim_g2, "true shear of the mock", &status);
+        sf_output_double(f, "SIM_G1", spec->sim_g1, "true shear of the mock", &status);
+        sf_output_double(f, "SIM_G2", spec->sim_g2, "true shear of the mock", &status);
     }
     for (const char *const *line = spec->history; line != NULL && *line != NULL; line++)
         fits_write_history(f, *line, &status);
@@ -42,11 +100,6 @@ static int write_primary(shear_field_writer *w, const shear_field_spec *spec, sh
 
 static int64_t noise_planes(const shear_field_spec *s) {
     return s->noise_planes > 1 ? s->noise_planes : 1;
-}
-
-static void create_cube(fitsfile *f, const shear_field_spec *s, int64_t n, int *status) {
-    long axes[3] = {s->geometry.nx, s->geometry.ny, (long)n};
-    fits_create_img(f, s->bitpix, 3, axes, status);
 }
 
 static void create_mosaic(fitsfile *f, const shear_field_spec *s, int64_t n, int64_t columns,
@@ -62,11 +115,13 @@ static void create_mosaic(fitsfile *f, const shear_field_spec *s, int64_t n, int
 
 static int create_stamps(shear_field_writer *w, const char *name, const char *comment, int64_t n,
                          shear_error *err) {
+    const shear_field_spec *s = &w->spec;
+    long cube[3] = {s->geometry.nx, s->geometry.ny, (long)n};
     int status = 0;
-    if (w->spec.layout == SHEAR_LAYOUT_CUBE) {
-        create_cube(w->out.fits, &w->spec, n, &status);
+    if (s->layout == SHEAR_LAYOUT_CUBE) {
+        fits_create_img(w->out.fits, s->bitpix, 3, cube, &status);
     } else {
-        create_mosaic(w->out.fits, &w->spec, n, w->columns, &status);
+        create_mosaic(w->out.fits, s, n, w->columns, &status);
     }
     fits_write_key_str(w->out.fits, "EXTNAME", name, comment, &status);
     return result(w, name, status, err);
@@ -94,16 +149,16 @@ static int create_catalog(shear_field_writer *w, shear_error *err) {
     return result(w, "CATALOG", status, err);
 }
 
-static int create_hdus(shear_field_writer *w, const shear_field_spec *spec, shear_error *err) {
-    TRY(write_primary(w, spec, err));
-    TRY(create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err));
-    TRY(create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err));
-    TRY(create_psf(w, err));
-    return create_catalog(w, err);
-}
+CLEANUP_DEFINE(shear_field_writer, shear_field_abort)
 
-static int begin(shear_field_writer *w, const char *path, const shear_field_spec *spec,
-                 shear_error *err) {
+int shear_field_create(shear_field_writer **writer, const char *path, const shear_field_spec *spec,
+                       shear_error *err) {
+    *writer = NULL;
+    TRY(check_spec(spec, path, err));
+    CLEANUP(shear_field_writer_release) shear_field_writer *w = calloc(1, sizeof *w);
+    if (w == NULL)
+        return sf_fail_memory(err, (sf_place){path, NULL});
+    w->out.directory = -1;
     w->spec = *spec;
     w->spec.name = NULL;
     w->spec.history = NULL;
@@ -112,50 +167,30 @@ static int begin(shear_field_writer *w, const char *path, const shear_field_spec
     if (!sf_bitset_init(&w->stamps, spec->n_stamps) || !sf_bitset_init(&w->psfs, spec->n_psf))
         return sf_fail_memory(err, (sf_place){path, NULL});
     TRY(sf_output_create(&w->out, path, spec->overwrite, err));
-    return create_hdus(w, spec, err);
-}
-
-CLEANUP_DEFINE(shear_field_writer, shear_field_abort)
-
-int shear_field_create(shear_field_writer **writer, const char *path, const shear_field_spec *spec,
-                       shear_error *err) {
-    *writer = NULL;
-    TRY(sf_field_spec_check(spec, path, err));
-    CLEANUP(shear_field_writer_release) shear_field_writer *w = calloc(1, sizeof *w);
-    if (w == NULL)
-        return sf_fail_memory(err, (sf_place){path, NULL});
-    w->out.directory = -1;
-    TRY(begin(w, path, spec, err));
+    TRY(write_primary(w, spec, err));
+    TRY(create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err));
+    TRY(create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err));
+    TRY(create_psf(w, err));
+    TRY(create_catalog(w, err));
     *writer = CLEANUP_TAKE(w);
     return SHEAR_OK;
 }
 
-static void write_cube(shear_field_writer *w, int64_t first, int64_t count, const double *pixels,
-                       int *status) {
-    const int64_t stamp = (int64_t)w->spec.geometry.nx * w->spec.geometry.ny;
-    fits_write_img(w->out.fits, TDOUBLE, first * stamp + 1, count * stamp, (double *)pixels,
-                   status);
-}
-
-static void write_mosaic(shear_field_writer *w, int64_t first, int64_t count, const double *pixels,
-                         int *status) {
-    const int64_t nx = w->spec.geometry.nx;
-    const int64_t ny = w->spec.geometry.ny;
-    for (int64_t i = first; i < first + count; i++, pixels += nx * ny) {
-        long low[2] = {(long)(i % w->columns * nx + 1), (long)(i / w->columns * ny + 1)};
-        long high[2] = {(long)(low[0] + nx - 1), (long)(low[1] + ny - 1)};
-        fits_write_subset(w->out.fits, TDOUBLE, low, high, (double *)pixels, status);
-    }
-}
-
 static int write_stamps(shear_field_writer *w, int hdu, int64_t first, int64_t count,
                         const double *pixels, shear_error *err) {
+    const int64_t nx = w->spec.geometry.nx;
+    const int64_t ny = w->spec.geometry.ny;
+    const bool cube = w->spec.layout == SHEAR_LAYOUT_CUBE;
     int status = 0;
     fits_movabs_hdu(w->out.fits, hdu, NULL, &status);
-    if (w->spec.layout == SHEAR_LAYOUT_CUBE) {
-        write_cube(w, first, count, pixels, &status);
-    } else {
-        write_mosaic(w, first, count, pixels, &status);
+    if (cube) {
+        fits_write_img(w->out.fits, TDOUBLE, first * nx * ny + 1, count * nx * ny, (double *)pixels,
+                       &status);
+    }
+    for (int64_t i = first; !cube && i < first + count; i++, pixels += nx * ny) {
+        long low[2] = {(long)(i % w->columns * nx + 1), (long)(i / w->columns * ny + 1)};
+        long high[2] = {(long)(low[0] + nx - 1), (long)(low[1] + ny - 1)};
+        fits_write_subset(w->out.fits, TDOUBLE, low, high, (double *)pixels, &status);
     }
     return result(w, hdu == HDU_GALAXY ? "GALAXY" : "NOISE", status, err);
 }

@@ -28,7 +28,10 @@ static uint64_t hash_of(const char *text, int64_t bytes) {
 int sf_cards_init(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const char *label,
                   shear_error *err) {
     const int64_t bytes = hdu->header_bytes;
-    *c = (sf_cards){.at = {file->source.name, label}, .text = calloc(1, (size_t)bytes)};
+    *c = (sf_cards){.file = file,
+                    .hdu = hdu,
+                    .at = {file->source.name, label},
+                    .text = calloc(1, (size_t)bytes)};
     if (c->text == NULL)
         return sf_fail_memory(err, c->at);
     if (io_read_at(file->source.fd, c->text, (size_t)bytes, (off_t)hdu->header_offset) < 0)

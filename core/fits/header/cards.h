@@ -11,6 +11,8 @@
 #include <stdint.h>
 
 typedef struct sf_cards {
+    const sf_file *file;
+    const sf_hdu *hdu;
     sf_place at; /* file and HDU for messages; the strings are the caller's */
     char *text;  /* [count][SF_CARD] */
     int64_t count;

@@ -156,7 +156,7 @@ int sf_header_block(sf_header *h, const char *block, shear_error *err) {
     return SHEAR_OK;
 }
 
-static bool bitpix_ok(int64_t bitpix) {
+bool sf_bitpix_is_sound(int64_t bitpix) {
     return bitpix == 8 || bitpix == 16 || bitpix == 32 || bitpix == 64 || bitpix == -32 ||
            bitpix == -64;
 }
@@ -194,7 +194,7 @@ static int check_axes(const sf_header *h, shear_error *err) {
 int sf_header_end(sf_header *h, shear_error *err) {
     sf_hdu *hdu = &h->hdu;
     hdu->kind = kind_of(h);
-    if (!bitpix_ok(hdu->bitpix))
+    if (!sf_bitpix_is_sound(hdu->bitpix))
         return bad(h, "BITPIX", "is missing or not one of 8, 16, 32, 64, -32, -64", err);
     TRY(check_axes(h, err));
     if (h->groups)

@@ -29,6 +29,9 @@ int sf_header_block(sf_header *h, const char *block, shear_error *err);
 /* Check the header after END, and fill in kind and data_bytes. SHEAR_E_FORMAT. */
 int sf_header_end(sf_header *h, shear_error *err);
 
+/* Return whether FITS has pixels of this BITPIX. */
+bool sf_bitpix_is_sound(int64_t bitpix);
+
 /* Return the hash of a header whose blocks before this one have the hash `before`; 0: there is none
  * before. */
 uint64_t sf_header_hash(uint64_t before, const char *block);

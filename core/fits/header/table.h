@@ -30,18 +30,15 @@ typedef struct sf_column {
 } sf_column;
 
 typedef struct sf_table {
-    const sf_file *file;
-    const sf_hdu *hdu;
     const sf_cards *cards;
     sf_column *columns; /* [n] */
     int n;
 } sf_table;
 
-/* Parse the columns. `cards` are those of `hdu`, a binary table; all must outlive *t.
+/* Parse the columns. `cards` are those of a binary table, and must outlive *t.
  * SHEAR_E_FORMAT: a TFORMn is missing, unknown or repeated, or they do not add up to NAXIS1. Call
  * sf_table_deinit after an error, too. */
-int sf_table_init(sf_table *t, const sf_file *file, const sf_hdu *hdu, const sf_cards *cards,
-                  shear_error *err);
+int sf_table_init(sf_table *t, const sf_cards *cards, shear_error *err);
 void sf_table_deinit(sf_table *t);
 
 /* Find the column called `name`, ignoring case; *column is NULL if it is absent. SHEAR_E_FORMAT:

@@ -11,12 +11,10 @@ bool sf_bits_skip(sf_bits *b, int64_t n) {
 bool sf_bits_read(sf_bits *b, int n, int *out) {
     assert(n >= 0 && n < 31);
     *out = 0;
-    for (int i = 0; i < n; i++, b->position++) {
-        if (b->position >= b->count)
-            return false;
-        const int bit = b->bytes[b->position >> 3] >> (7 - (b->position & 7)) & 1;
-        *out = 2 * *out + bit;
-    }
+    if (n > b->count - b->position)
+        return false;
+    for (const int64_t end = b->position + n; b->position < end; b->position++)
+        *out = 2 * *out + (b->bytes[b->position >> 3] >> (7 - (b->position & 7)) & 1);
     return true;
 }
 

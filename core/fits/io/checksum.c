@@ -3,6 +3,7 @@
 #include "base/io.h"
 
 #include "base/cleanup.h"
+#include "base/fingerprint.h"
 #include "base/text.h"
 #include "common/release.h"
 #include "fits/io/source.h"
@@ -63,18 +64,14 @@ static int stream_read(stream *f, unsigned char *buffer, size_t *count, shear_er
 
 /* ---- inputs ---- */
 
-typedef struct digest {
-    int file; /* the part in whose file this part is: itself, or an earlier part; -1: no such part
-               */
-    char sum[SHEAR_CHECKSUM_SIZE];
-} digest;
-
 struct shear_hashing {
     const shear_input *input;
     const int *fds;
     bool whole, separate;
     long long hdu[SHEAR_N_PARTS];
-    digest parts[SHEAR_N_PARTS];
+    int file_of[SHEAR_N_PARTS]; /* the part in whose file this one is: itself, or an earlier one;
+                                   -1: there is no such part */
+    char sums[SHEAR_N_PARTS][SHEAR_CHECKSUM_SIZE]; /* of the parts' files */
     int part;       /* the part that is being read; SHEAR_N_PARTS: all have been read */
     stream file;    /* its file, once it is open */
     int64_t before; /* bytes of the files that have been read completely */
@@ -92,12 +89,12 @@ static bool same_file(const shear_input *input, const int *fds, int a, int b) {
     const bool known =
         fds != NULL ? fstat(fds[a], &x) == 0 && fstat(fds[b], &y) == 0
                     : stat(input->parts[a].path, &x) == 0 && stat(input->parts[b].path, &y) == 0;
-    return known && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    return known && fingerprint_same_file(&x, &y);
 }
 
 /* Return the part in whose file this part is, so that a file of several parts is read once. A
  * catalog that is not given is in the galaxies' file. */
-static int file_of(const shear_hashing *h, int part) {
+static int find_file(const shear_hashing *h, int part) {
     if (h->input->parts[part].path == NULL)
         return SHEAR_PART_GALAXY;
     for (int i = 0; i < part; i++) {
@@ -125,7 +122,7 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         const bool there = h->whole ? i == 0 : info != NULL && info->hdu[i] >= 0;
         h->hdu[i] = info != NULL ? (long long)info->hdu[i] : -1;
-        h->parts[i].file = !there ? -1 : h->whole ? 0 : file_of(h, i);
+        h->file_of[i] = !there ? -1 : h->whole ? 0 : find_file(h, i);
     }
     *out = CLEANUP_TAKE(h);
     return SHEAR_OK;
@@ -146,7 +143,7 @@ int64_t shear_hashing_bytes(const shear_hashing *h) {
 
 /* Begin the next part: open its file, or skip it if there is nothing to read for it. */
 static int begin_part(shear_hashing *h, shear_error *err) {
-    if (h->parts[h->part].file != h->part) {
+    if (h->file_of[h->part] != h->part) {
         h->part++;
         return SHEAR_OK;
     }
@@ -155,7 +152,7 @@ static int begin_part(shear_hashing *h, shear_error *err) {
 }
 
 static void end_part(shear_hashing *h) {
-    write_hex(XXH3_128bits_digest(h->state), h->parts[h->part].sum);
+    write_hex(XXH3_128bits_digest(h->state), h->sums[h->part]);
     h->before += h->file.offset;
     stream_close(&h->file);
     h->part++;
@@ -187,15 +184,15 @@ int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error 
 void shear_hashing_text(const shear_hashing *h, char out[SHEAR_CHECKSUM_SIZE]) {
     char text[SHEAR_N_PARTS * 80] = "";
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        if (h->parts[i].file >= 0) {
+        if (h->file_of[i] >= 0) {
             text_append(text, sizeof text, "%s %s %lld\n", shear_part_name(i),
-                        h->parts[h->parts[i].file].sum, h->hdu[i]);
+                        h->sums[h->file_of[i]], h->hdu[i]);
         }
     }
     if (!h->whole && h->separate) {
         shear_bytes_checksum(text, strlen(text), out);
     } else {
-        memcpy(out, h->parts[SHEAR_PART_GALAXY].sum, SHEAR_CHECKSUM_SIZE);
+        memcpy(out, h->sums[SHEAR_PART_GALAXY], SHEAR_CHECKSUM_SIZE);
     }
 }
 

@@ -8,6 +8,7 @@
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -160,10 +161,8 @@ void sf_output_discard(sf_output *out) {
         unlinkat(out->directory, out->temporary, 0);
         out->exists = false;
     }
-    if (out->directory >= 0) {
-        close(out->directory);
-        out->directory = -1;
-    }
+    release_fd(&out->directory);
+    out->directory = -1;
 }
 
 /* ---- files that outlive their process ---- */
@@ -171,9 +170,9 @@ void sf_output_discard(sf_output *out) {
 static int name_kept(sf_output *out, const char *path, shear_error *err) {
     *out = (sf_output){.directory = -1, .overwrite = true};
     sf_printable_name(out->name, sizeof out->name, path);
-    const int rc = open_directory(out, path, err);
+    TRY(open_directory(out, path, err));
     snprintf(out->temporary, sizeof out->temporary, ".%s.part", out->base);
-    return rc;
+    return SHEAR_OK;
 }
 
 /* Remove an older temporary file, if there is one; `doing` is for the message. */
@@ -220,4 +219,14 @@ int sf_output_discard_kept(const char *path, shear_error *err) {
     CLEANUP(sf_output_discard) sf_output out;
     TRY(name_kept(&out, path, err));
     return remove_kept(&out, "its temporary file cannot be removed", err);
+}
+
+/* ---- keywords ---- */
+
+void sf_output_double(fitsfile *fits, const char *key, double value, const char *comment,
+                      int *status) {
+    if (!isfinite(value))
+        return;
+    const int digits = text_digits(value, 15);
+    fits_write_key_dbl(fits, key, value, -digits, comment, status); /* negative: %G */
 }

@@ -50,3 +50,10 @@ int sf_output_sync(sf_output *out, shear_error *err);
 void sf_output_suspend(sf_output *out);
 /* Remove the temporary file of lasting name, if there is one. */
 int sf_output_discard_kept(const char *path, shear_error *err);
+
+/* ---- keywords ---- */
+
+/* Write a number with the fewest digits that restore it to the last bit. Write nothing if it is not
+ * finite, because FITS has no notation for that. */
+void sf_output_double(fitsfile *fits, const char *key, double value, const char *comment,
+                      int *status);

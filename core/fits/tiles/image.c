@@ -25,16 +25,9 @@ static int check_header(const sf_hdu *hdu, sf_place at, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int set_plain(sf_image *image, const sf_hdu *hdu) {
-    image->naxis = (int)hdu->naxis;
-    image->bitpix = (int)hdu->bitpix;
-    memcpy(image->axes, hdu->axes, sizeof image->axes);
-    return SHEAR_OK;
-}
-
-static int set_tiled(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
+static int set_tiled(sf_image *image, shear_error *err) {
     image->compressed = true;
-    TRY(sf_table_init(&image->table, file, hdu, &image->cards, err));
+    TRY(sf_table_init(&image->table, &image->cards, err));
     TRY(sf_tiling_init(&image->tiling, &image->table, err));
     image->naxis = (int)image->tiling.naxis;
     image->bitpix = (int)image->tiling.bitpix;
@@ -62,10 +55,10 @@ static int show_plain(sf_image *image, double scale, double zero, shear_error *e
     return SHEAR_OK;
 }
 
-static int show(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
+static int show(sf_image *image, shear_error *err) {
     double scale = 1.0;
     double zero = 0.0;
-    sf_view_init(&image->view, file, hdu);
+    sf_view_init(&image->view, image->cards.file, image->cards.hdu);
     TRY(sf_key_double(&image->cards, "BSCALE", &scale, err));
     TRY(sf_key_double(&image->cards, "BZERO", &zero, err));
     if (scale == 0.0)
@@ -81,8 +74,12 @@ int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const
     *image = (sf_image){.cards.at = {file->source.name, label}};
     TRY(check_header(hdu, image->cards.at, err));
     TRY(sf_cards_init(&image->cards, file, hdu, label, err));
-    TRY(hdu->zimage ? set_tiled(image, file, hdu, err) : set_plain(image, hdu));
-    TRY(show(image, file, hdu, err));
+    image->naxis = (int)hdu->naxis;
+    image->bitpix = (int)hdu->bitpix;
+    memcpy(image->axes, hdu->axes, sizeof image->axes);
+    if (hdu->zimage)
+        TRY(set_tiled(image, err));
+    TRY(show(image, err));
     return sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at, &image->fits,
                         err);
 }
@@ -126,4 +123,10 @@ int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t s
         fits_read_subset(image->fits, TDOUBLE, low, high, step, &null, out, &any_null, &status);
     }
     return sf_check_status(err, image->cards.at, status, "its pixels cannot be read");
+}
+
+int sf_image_planes(sf_image *image, int64_t first, int64_t count, double *out, shear_error *err) {
+    const int64_t low[SF_AXES] = {0, 0, first};
+    const int64_t size[SF_AXES] = {image->axes[0], image->axes[1], count};
+    return sf_image_read(image, low, size, out, err);
 }

@@ -29,3 +29,5 @@ void sf_image_deinit(sf_image *image);
  * NaN. */
 int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
                   double *out, shear_error *err);
+/* Read whole planes [first, first + count) into out[count][axes[1]][axes[0]]. */
+int sf_image_planes(sf_image *image, int64_t first, int64_t count, double *out, shear_error *err);

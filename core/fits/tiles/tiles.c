@@ -12,17 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A longer stream would not be compression. This bounds the bytes read for one tile. */
-static int64_t max_stream_bytes(int64_t pixels) {
-    return 16 * pixels + 4096;
-}
-
 int sf_tiles_init(sf_tiles *t, const sf_table *table, const sf_tiling *tiling, shear_error *err) {
     *t = (sf_tiles){.table = table, .tiling = tiling};
-    t->heap_offset = table->hdu->data_offset + tiling->heap;
-    t->heap_bytes = table->hdu->data_bytes - tiling->heap;
-    return sf_bitset_init(&t->sound, table->hdu->axes[1]) ? SHEAR_OK
-                                                          : sf_fail_memory(err, table->cards->at);
+    t->heap_offset = table->cards->hdu->data_offset + tiling->heap;
+    t->heap_bytes = table->cards->hdu->data_bytes - tiling->heap;
+    return sf_bitset_init(&t->sound, table->cards->hdu->axes[1])
+               ? SHEAR_OK
+               : sf_fail_memory(err, table->cards->at);
 }
 
 void sf_tiles_deinit(sf_tiles *t) {
@@ -65,12 +61,12 @@ static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *coun
 static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_t offset,
                 shear_error *err) {
     assert(bytes >= 0 && offset >= 0 && offset <= t->heap_bytes - bytes);
-    if (bytes > max_stream_bytes(pixels))
+    if (bytes > 16 * pixels + 4096) /* not compression; this bounds the bytes read for one tile */
         return bad_tile(t, tile, "its data are absurdly long", err);
     const int64_t work = t->tiling->algorithm == SF_HCOMPRESS ? 3 * pixels : 0;
     if (!ARRAY_RESERVE_EXACT(t->buffer, t->capacity, (size_t)(bytes + work)))
         return sf_fail_memory(err, t->table->cards->at);
-    const ssize_t n = io_read_at(t->table->file->source.fd, t->buffer, (size_t)bytes,
+    const ssize_t n = io_read_at(t->table->cards->file->source.fd, t->buffer, (size_t)bytes,
                                  (off_t)(t->heap_offset + offset));
     if (n < 0)
         return sf_fail_errno(err, t->table->cards->at, errno, "cannot be read");

@@ -3,8 +3,10 @@
 
 #include "base/cleanup.h"
 #include "base/text.h"
+#include "fits/header/header.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* CFITSIO holds a tile, and a row of tiles, in memory as doubles, and numbers tiles with an int, to
@@ -42,7 +44,7 @@ static int read_axis(sf_tiling *t, const sf_table *table, int k, shear_error *er
 }
 
 static int check_sizes(const sf_tiling *t, const sf_table *table, shear_error *err) {
-    const int64_t rows = table->hdu->axes[1];
+    const int64_t rows = table->cards->hdu->axes[1];
     int64_t tiles = 1;
     int64_t pixels = 1;
     for (int k = 0; k < SF_AXES; k++) {
@@ -95,16 +97,6 @@ static int read_word(const sf_table *table, const char *key, const char *const *
                    "tile compression: %s is '%s', but must be one of %s", key, shown, all);
 }
 
-static int read_bitpix(sf_tiling *t, const sf_table *table, shear_error *err) {
-    static const int64_t depths[] = {8, 16, 32, -32, -64};
-    TRY(sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err));
-    for (size_t i = 0; i < sizeof depths / sizeof depths[0]; i++) {
-        if (t->bitpix == depths[i])
-            return SHEAR_OK;
-    }
-    return bad(table, "ZBITPIX is not one of 8, 16, 32, -32, -64", err);
-}
-
 static int read_algorithm(sf_tiling *t, const sf_table *table, shear_error *err) {
     static const char *const names[] = {"RICE_1", "RICE_ONE",    "GZIP_1", "GZIP_2",
                                         "PLIO_1", "HCOMPRESS_1", NULL};
@@ -115,7 +107,10 @@ static int read_algorithm(sf_tiling *t, const sf_table *table, shear_error *err)
     if (chosen < 0)
         return bad(table, "ZCMPTYPE is missing", err);
     t->algorithm = algorithms[chosen];
-    return read_bitpix(t, table, err);
+    TRY(sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err));
+    return sf_bitpix_is_sound(t->bitpix) && t->bitpix != 64
+               ? SHEAR_OK
+               : bad(table, "ZBITPIX is not one of 8, 16, 32, -32, -64", err);
 }
 
 /* Read a parameter, which is identified by its position. If it has a name, it must be the one that
@@ -197,7 +192,7 @@ static int read_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
 }
 
 static int read_heap(sf_tiling *t, const sf_table *table, shear_error *err) {
-    const sf_hdu *hdu = table->hdu;
+    const sf_hdu *hdu = table->cards->hdu;
     const int64_t rows = hdu->axes[0] * hdu->axes[1]; /* within data_bytes, which was checked */
     t->heap = rows;
     return sf_key_int(table->cards, "THEAP", rows, hdu->data_bytes, &t->heap, err);
@@ -229,24 +224,20 @@ static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *e
     return SHEAR_OK;
 }
 
-/* Read ZSCALE and ZZERO as keywords, for pixels without such columns. */
-static int read_scale(sf_tiling *t, const sf_table *table, shear_error *err) {
+/* Read the null value, and ZSCALE and ZZERO as keywords, for pixels without such columns. */
+static int read_numbers(sf_tiling *t, const sf_table *table, shear_error *err) {
     double scale = NAN;
     double zero = NAN;
+    t->blank = SF_ABSENT;
+    TRY(sf_key_int(table->cards, "ZBLANK", INT32_MIN, INT32_MAX, &t->blank, err));
+    if (t->blank == SF_ABSENT)
+        TRY(sf_key_int(table->cards, "BLANK", INT32_MIN, INT32_MAX, &t->blank, err));
     TRY(sf_key_double(table->cards, "ZSCALE", &scale, err));
     TRY(sf_key_double(table->cards, "ZZERO", &zero, err));
     t->has_scale = (!isnan(scale) || !isnan(zero)) && t->column[SF_ZSCALE] == NULL;
     t->scale = isnan(scale) ? 1.0 : scale;
     t->zero = isnan(zero) ? 0.0 : zero;
     return t->scale != 0.0 ? SHEAR_OK : bad(table, "ZSCALE is 0", err);
-}
-
-static int read_numbers(sf_tiling *t, const sf_table *table, shear_error *err) {
-    t->blank = SF_ABSENT;
-    TRY(sf_key_int(table->cards, "ZBLANK", INT32_MIN, INT32_MAX, &t->blank, err));
-    if (t->blank == SF_ABSENT)
-        TRY(sf_key_int(table->cards, "BLANK", INT32_MIN, INT32_MAX, &t->blank, err));
-    return read_scale(t, table, err);
 }
 
 /* Read the parameters of the algorithm. */
@@ -264,4 +255,89 @@ int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err) {
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++)
         TRY(steps[i](t, table, err));
     return SHEAR_OK;
+}
+
+/* ---- the header for CFITSIO ---- */
+
+static void show_primary(sf_view *v) {
+    sf_view_logical(v, "SIMPLE", true);
+    sf_view_int(v, "BITPIX", 8);
+    sf_view_int(v, "NAXIS", 0);
+    sf_view_logical(v, "EXTEND", true);
+    sf_view_end(v);
+}
+
+static void show_table(const sf_tiling *t, const sf_table *table, sf_view *v) {
+    const int64_t rows = table->cards->hdu->axes[0] * table->cards->hdu->axes[1];
+    sf_view_string(v, "XTENSION", "BINTABLE");
+    sf_view_int(v, "BITPIX", 8);
+    sf_view_int(v, "NAXIS", 2);
+    sf_view_int(v, "NAXIS1", table->cards->hdu->axes[0]);
+    sf_view_int(v, "NAXIS2", table->cards->hdu->axes[1]);
+    sf_view_int(v, "PCOUNT", table->cards->hdu->data_bytes - rows);
+    sf_view_int(v, "GCOUNT", 1);
+    sf_view_int(v, "TFIELDS", table->n);
+    sf_view_int(v, "THEAP", t->heap);
+}
+
+/* Columns that do not belong to the image are described as characters without a name. */
+static void show_column(const sf_tiling *t, const sf_column *c, int i, sf_view *v) {
+    char key[SF_INDEXED];
+    char form[32];
+    snprintf(form, sizeof form, "%lldA", (long long)c->width);
+    for (int k = 0; k < SF_TILE_COLUMNS; k++) {
+        if (t->column[k] == c) {
+            sf_view_string(v, sf_card_indexed(key, "TTYPE", i + 1), sf_tile_columns[k]);
+            snprintf(form, sizeof form, "1%c%c", c->type, k <= SF_RAW_DATA ? c->element : '\0');
+        }
+    }
+    sf_view_string(v, sf_card_indexed(key, "TFORM", i + 1), form);
+}
+
+static void show_algorithm(const sf_tiling *t, sf_view *v) {
+    static const char *const names[] = {"RICE_1", "GZIP_1", "GZIP_2", "PLIO_1", "HCOMPRESS_1"};
+    sf_view_string(v, "ZCMPTYPE", names[t->algorithm]);
+    if (t->algorithm == SF_RICE) {
+        sf_view_int(v, "ZVAL1", t->block);
+        sf_view_int(v, "ZVAL2", t->width);
+    }
+    if (t->algorithm == SF_HCOMPRESS) {
+        sf_view_int(v, "ZVAL1", 0);
+        sf_view_int(v, "ZVAL2", t->smooth ? 1 : 0);
+    }
+}
+
+static void show_numbers(const sf_tiling *t, double bscale, double bzero, sf_view *v) {
+    static const char *const dithers[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1",
+                                          "SUBTRACTIVE_DITHER_2"};
+    if (t->bitpix < 0) {
+        sf_view_string(v, "ZQUANTIZ", t->lossless_float ? "NONE" : dithers[t->dither]);
+        sf_view_int(v, "ZDITHER0", t->seed);
+    }
+    if (t->blank != SF_ABSENT)
+        sf_view_int(v, "ZBLANK", t->blank);
+    if (t->has_scale) {
+        sf_view_double(v, "ZSCALE", t->scale);
+        sf_view_double(v, "ZZERO", t->zero);
+    }
+    sf_view_scale(v, bscale, bzero);
+}
+
+void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, double bzero,
+                    sf_view *view) {
+    char key[SF_INDEXED];
+    show_primary(view);
+    show_table(t, table, view);
+    for (int i = 0; i < table->n; i++)
+        show_column(t, &table->columns[i], i, view);
+    sf_view_logical(view, "ZIMAGE", true);
+    sf_view_int(view, "ZBITPIX", t->bitpix);
+    sf_view_int(view, "ZNAXIS", t->naxis);
+    for (int k = 0; k < t->naxis; k++) {
+        sf_view_int(view, sf_card_indexed(key, "ZNAXIS", k + 1), t->axes[k]);
+        sf_view_int(view, sf_card_indexed(key, "ZTILE", k + 1), t->tile[k]);
+    }
+    show_algorithm(t, view);
+    show_numbers(t, bscale, bzero, view);
+    sf_view_end(view);
 }

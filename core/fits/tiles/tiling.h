@@ -34,7 +34,7 @@ typedef struct sf_tiling {
  * must be. */
 int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err);
 
-/* Write the headers of a view with this image and nothing else (tiling_view.c): an empty primary
+/* Write the headers of a view with this image and nothing else: an empty primary
  * HDU, and the table. `bscale` and `bzero` are the image's. */
 void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, double bzero,
                     sf_view *view);
