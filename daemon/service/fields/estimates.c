@@ -174,33 +174,20 @@ bool estimates_at_hand(service *s, const store_field *f, int64_t since) {
     return there;
 }
 
-static pending_request *find_pending(const estimates *all, server_handle to) {
-    pending_request *r;
-    TAILQ_FOREACH(r, &all->pending, link) {
-        if (r->to.connection == to.connection && r->to.request == to.request)
-            break;
-    }
-    return r;
-}
-
-/* Return the request's record, with memory to wait for n fields, or NULL if out of memory. */
-static pending_request *note_pending(estimates *all, server_handle to, size_t n) {
-    pending_request *r = find_pending(all, to);
-    if (r == NULL) {
-        r = calloc(1, sizeof *r);
-        if (r == NULL)
-            return NULL;
-        r->to = to;
+/* List the request, with memory to wait for n fields. False: out of memory. */
+static bool note_pending(estimates *all, pending_request *r, size_t n) {
+    assert(r->left == 0);
+    if (!r->listed) {
+        r->listed = true;
         r->first = all->cache.requests;
         TAILQ_INSERT_TAIL(&all->pending, r, link);
     }
-    assert(r->left == 0);
     estimate **larger = realloc(r->waits_for, (n + 1) * sizeof(estimate *));
     if (larger == NULL)
-        return NULL;
+        return false;
     r->waits_for = larger;
     r->n = 0;
-    return r;
+    return true;
 }
 
 static bool wait_for(service *s, pending_request *r, const store_field *f, int64_t since) {
@@ -215,10 +202,10 @@ static bool wait_for(service *s, pending_request *r, const store_field *f, int64
     return true;
 }
 
-enum estimates_answer estimates_request(service *s, server_handle to, const store_field_page *page,
-                                        const char *digest, int64_t since) {
-    pending_request *r = note_pending(s->estimates, to, page->n);
-    if (r == NULL)
+enum estimates_answer estimates_request(service *s, pending_request *r,
+                                        const store_field_page *page, const char *digest,
+                                        int64_t since) {
+    if (!note_pending(s->estimates, r, page->n))
         return ESTIMATES_NO_MEMORY;
     for (size_t i = 0; i < page->n; i++) {
         const store_field *f = &page->fields[i];
@@ -259,26 +246,21 @@ static void give_up(estimates *all, estimate *e) {
     }
 }
 
-static void pending_free(estimates *all, pending_request *r) {
+void estimates_forget(service *s, pending_request *r) {
+    estimates *all = s->estimates;
+    if (!r->listed)
+        return;
+    r->listed = false;
     TAILQ_REMOVE(&all->pending, r, link);
     for (size_t i = 0; i < r->n; i++) {
         if (r->waits_for[i] != NULL)
             give_up(all, r->waits_for[i]);
     }
     free(r->waits_for);
-    free(r);
-}
-
-void estimates_forget(service *s, server_handle to) {
-    pending_request *r = find_pending(s->estimates, to);
-    if (r != NULL) {
-        pending_free(s->estimates, r);
-        shrink(s->estimates);
-    }
+    shrink(all);
 }
 
 void estimates_deinit(estimates *all) {
-    for (pending_request *r; (r = TAILQ_FIRST(&all->pending)) != NULL;)
-        pending_free(all, r);
+    assert(TAILQ_EMPTY(&all->pending)); /* the server has dropped all requests */
     estimate_cache_deinit(&all->cache);
 }

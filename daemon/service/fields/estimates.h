@@ -15,12 +15,13 @@
 
 typedef struct service service;
 
-/* A request that has asked for fields and has not been forgotten. */
+/* A request that asks for fields, in the memory of its work; zeroed at first. */
 typedef struct pending_request {
     TAILQ_ENTRY(pending_request) link;
-    server_handle to;
-    int64_t first; /* the cache's request number before its own: later ones are kept for it */
-    size_t left;   /* number of results that it still waits for */
+    server_handle to; /* set by the caller */
+    bool listed;      /* it has asked, and has not been forgotten */
+    int64_t first;    /* the cache's request number before its own: later ones are kept for it */
+    size_t left;      /* number of results that it still waits for */
     estimate **waits_for; /* [n], owned; NULL: solved */
     size_t n;
 } pending_request;
@@ -56,10 +57,11 @@ enum estimates_answer { ESTIMATES_READY, ESTIMATES_PENDING, ESTIMATES_NO_MEMORY 
 /* Return READY if the results of these fields are available (`digest` NULL: of all of them; else of
  * those with this digest), or PENDING: pause the request's work, which is woken when they are
  * solved and then calls this again. The results are kept for the request until estimates_forget. */
-enum estimates_answer estimates_request(service *s, server_handle to, const store_field_page *page,
-                                        const char *digest, int64_t since);
-/* Drop the request's record, and what is queued for it alone. */
-void estimates_forget(service *s, server_handle to);
+enum estimates_answer estimates_request(service *s, pending_request *r,
+                                        const store_field_page *page, const char *digest,
+                                        int64_t since);
+/* Forget the request, and drop what is queued for it alone. */
+void estimates_forget(service *s, pending_request *r);
 /* Return true if the result of this field is available. Otherwise it is queued, and the change
  * notifier tries again later. */
 bool estimates_at_hand(service *s, const store_field *f, int64_t since);

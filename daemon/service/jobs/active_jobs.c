@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/jobs/active_jobs.h"
 
+#include "base/text.h"
 #include "service/core/clock.h"
 #include "sheard/messages.h"
 
@@ -18,7 +19,6 @@ void active_job_free(active_job *j) {
         return;
     free(j->path);
     free(j->field);
-    free(j->digest);
     free(j);
 }
 
@@ -30,12 +30,8 @@ int active_job_new(active_job **out, const store_job *job, shear_error *err) {
     *j = (active_job){.id = job->id,
                       .failures = job->failures,
                       .started_ms = clock_steady_ms(),
-                      .field = job->field != NULL ? strdup(job->field) : NULL,
-                      .digest = strdup(job->settings_digest)};
-    if (j->digest == NULL) {
-        active_job_free(j);
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
+                      .field = job->field != NULL ? strdup(job->field) : NULL};
+    text_set(j->digest, sizeof j->digest, job->settings_digest);
     if (sheard_settings_read(&j->settings, job->settings, err) != SHEAR_OK) {
         active_job_free(j);
         err->code = SHEAR_E_INTERNAL; /* the settings were valid when they were stored */

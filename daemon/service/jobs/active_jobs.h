@@ -14,7 +14,7 @@ typedef struct active_job {
     int64_t started_ms; /* steady clock */
     char *path;         /* for messages */
     char *field;        /* requested, or from the file; NULL: not known yet */
-    char *digest;       /* of its settings */
+    char digest[STORE_DIGEST_MAX + 1]; /* of its settings */
     shear_settings settings;
     char checksum[SHEAR_CHECKSUM_SIZE]; /* "": not known yet */
     shear_field_info info;

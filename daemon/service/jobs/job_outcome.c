@@ -77,32 +77,26 @@ void job_outcome_settle(service *s, int64_t id) {
 
 /* ---- failures ---- */
 
-static failure_reason reason_rpc(enum store_class class, int code) {
-    return (failure_reason){class, sheard_rpc_code_get(code)->name};
-}
-
 failure_reason job_outcome_reason(const shear_error *error) {
-    switch (error->code) {
-    case READER_E_DIED:
-    case READER_E_PROTOCOL:
-        return reason_rpc(STORE_BUG, SHEARD_RPC_READER_CRASHED);
-    case READER_E_MEMORY:
-        return reason_rpc(STORE_BUG, SHEARD_RPC_READER_MEMORY);
-    case READER_E_HUNG:
-        return reason_rpc(STORE_BUG, SHEARD_RPC_READER_TIMEOUT);
-    case ENGINE_E_CHANGED:
-        return reason_rpc(STORE_TRANSIENT, SHEARD_RPC_FILE_CHANGED);
-    case ENGINE_E_MEMORY:
-        return reason_rpc(STORE_DATA, SHEARD_RPC_MEMORY_BUDGET);
-    case SHEAR_E_NOMEM:
-    case SHEAR_E_IO:
-    case SHEAR_E_FULL:
-        return (failure_reason){STORE_TRANSIENT, shear_code_name(error->code)};
-    case SHEAR_E_INTERNAL:
-        return (failure_reason){STORE_BUG, shear_code_name(error->code)};
-    default:
-        return (failure_reason){STORE_DATA, shear_code_name(error->code)};
+    static const struct {
+        int code;
+        enum store_class class;
+        int rpc;
+    } reasons[] = {{READER_E_DIED, STORE_BUG, SHEARD_RPC_READER_CRASHED},
+                   {READER_E_PROTOCOL, STORE_BUG, SHEARD_RPC_READER_CRASHED},
+                   {READER_E_MEMORY, STORE_BUG, SHEARD_RPC_READER_MEMORY},
+                   {READER_E_HUNG, STORE_BUG, SHEARD_RPC_READER_TIMEOUT},
+                   {ENGINE_E_CHANGED, STORE_TRANSIENT, SHEARD_RPC_FILE_CHANGED},
+                   {ENGINE_E_MEMORY, STORE_DATA, SHEARD_RPC_MEMORY_BUDGET},
+                   {SHEAR_E_NOMEM, STORE_TRANSIENT, SHEARD_RPC_OUT_OF_MEMORY},
+                   {SHEAR_E_IO, STORE_TRANSIENT, SHEARD_RPC_IO},
+                   {SHEAR_E_FULL, STORE_TRANSIENT, SHEARD_RPC_DISK_FULL},
+                   {SHEAR_E_INTERNAL, STORE_BUG, SHEARD_RPC_INTERNAL}};
+    for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++) {
+        if (error->code == reasons[i].code)
+            return (failure_reason){reasons[i].class, sheard_rpc_code_get(reasons[i].rpc)->name};
     }
+    return (failure_reason){STORE_DATA, shear_code_name(error->code)};
 }
 
 /* A disk may be missing or full for longer than any number of attempts, which is not the job's

@@ -35,36 +35,20 @@ static int give(service *s, const store_job *job, active_job *j, job_source *o, 
     return code;
 }
 
-static int open_and_give(service *s, const store_job *job, active_job *j, failure_reason *reason,
-                         shear_error *err) {
-    CLEANUP(job_source_deinit) job_source o = {.files = SOURCE_FILES_NONE};
-    int code = job_source_open(s, job, &o, err);
-    if (code != SHEAR_OK) {
-        *reason = (failure_reason){o.fail_class, o.fail_name};
-        return code;
-    }
-    code = give(s, job, j, &o, err);
-    if (code != SHEAR_OK)
-        *reason = job_outcome_reason(err);
-    return code;
-}
-
 static void start(service *s, const store_job *job) {
+    CLEANUP(job_source_deinit) job_source o = {.files = SOURCE_FILES_NONE};
     active_job *j = NULL;
     shear_error err = {0};
-    failure_reason reason;
     int code = active_job_new(&j, job, &err);
-    if (code != SHEAR_OK) {
-        reason = job_outcome_reason(&err);
-    } else {
-        code = open_and_give(s, job, j, &reason, &err);
-    }
-    if (code != SHEAR_OK) {
-        active_job_free(j);
-        job_outcome_fail(s, job->id, job->failures, reason, &err);
+    code = code == SHEAR_OK ? job_source_open(s, job, &o, &err) : code;
+    code = code == SHEAR_OK ? give(s, job, j, &o, &err) : code;
+    if (code == SHEAR_OK) {
+        active_jobs_add(s->jobs, j);
         return;
     }
-    active_jobs_add(s->jobs, j);
+    active_job_free(j);
+    job_outcome_fail(s, job->id, job->failures,
+                     o.reason.name != NULL ? o.reason : job_outcome_reason(&err), &err);
 }
 
 static void start_marked(post_commit *post, int code, const shear_error *err) {
@@ -88,8 +72,8 @@ static void start_marked(post_commit *post, int code, const shear_error *err) {
 
 static int release(service *s, int64_t id, shear_error *err) {
     enum store_state state = STORE_QUEUED;
-    int code = group_begin(&s->group, err);
-    TRY(code == SHEAR_OK ? store_release(s->store, id, clock_wall_ms(), &state, err) : code);
+    TRY(group_begin(&s->group, err));
+    TRY(store_release(s->store, id, clock_wall_ms(), &state, err));
     log_notice("job %" PRId64 " is queued again", id);
     job_outcome_settle(s, id);
     return SHEAR_OK;

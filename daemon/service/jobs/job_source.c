@@ -24,10 +24,8 @@ int source_files_check_size(const service *s, int fd, const char *name, shear_er
 
 static int open_file(const service *s, const access_peer *peer, const char *path,
                      source_files *files, int i, shear_error *err) {
-    const int code =
-        access_open(s->permissions.roots, peer, path, &files->fds[i], &files->paths[i], err);
-    return code == SHEAR_OK ? source_files_check_size(s, files->fds[i], files->paths[i], err)
-                            : code;
+    TRY(access_open(s->permissions.roots, peer, path, &files->fds[i], &files->paths[i], err));
+    return source_files_check_size(s, files->fds[i], files->paths[i], err);
 }
 
 int source_files_open(const service *s, const access_peer *peer, const sheard_msg_source *source,
@@ -65,12 +63,6 @@ void source_files_deinit(source_files *files) {
 
 /* ---- a job's ---- */
 
-static int fail_as(job_source *o, int code, enum store_class fail_class, int rpc) {
-    o->fail_class = fail_class;
-    o->fail_name = sheard_rpc_code_get(rpc)->name;
-    return code;
-}
-
 /* Get the submitter, with the groups of that time. Jobs of older versions have none stored:
  * those get the groups in the user database. */
 static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
@@ -78,30 +70,22 @@ static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
                                : access_peer_from_user(job->owner, (gid_t)-1, peer, err);
 }
 
-static int fail_clients(const service *s, job_source *o, int code, shear_error *err) {
+/* Open the files for the job's owner. */
+static int open_clients(const service *s, const store_job *job, job_source *o, shear_error *err) {
+    CLEANUP(access_peer_deinit) access_peer peer = {0};
     shear_error missing = {0};
-    sheard_rpc_error error;
+    int part = -1;
+    TRY(peer_of(job, &peer, err));
+    const int code = source_files_open(s, &peer, &o->source, &o->files, &part, err);
+    o->input = sheard_source_input(&o->files.named);
     /* The path was beneath a root when it was accepted, perhaps by another name of a root that is
      * missing now. */
     if (code == ACCESS_E_OUTSIDE &&
         access_roots_check(s->permissions.roots, &missing) != SHEAR_OK) {
         *err = missing;
-        code = ACCESS_E_ROOT;
+        return ACCESS_E_ROOT;
     }
-    const int rpc = rpc_error_from_access(&error, code, err);
-    const bool may_pass = code == ACCESS_E_NOT_FOUND || code == ACCESS_E_ROOT ||
-                          code == SHEAR_E_IO || code == SHEAR_E_NOMEM;
-    return fail_as(o, code, may_pass ? STORE_TRANSIENT : STORE_DATA,
-                   rpc == SHEARD_RPC_NO_SUCH_FILE ? SHEARD_RPC_FILE_VANISHED : rpc);
-}
-
-static int open_clients(const service *s, const store_job *job, job_source *o, shear_error *err) {
-    CLEANUP(access_peer_deinit) access_peer peer = {0};
-    int part = -1;
-    int code = peer_of(job, &peer, err);
-    code = code == SHEAR_OK ? source_files_open(s, &peer, &o->source, &o->files, &part, err) : code;
-    o->input = sheard_source_input(&o->files.named);
-    return code == SHEAR_OK ? code : fail_clients(s, o, code, err);
+    return code;
 }
 
 /* Open a file of the watch folder. Its name is the one that its owner gave it, in messages and as
@@ -109,46 +93,46 @@ static int open_clients(const service *s, const store_job *job, job_source *o, s
 static int open_spooled(const service *s, const store_job *job, const char *active_name,
                         job_source *o, shear_error *err) {
     o->files.paths[0] = strdup(job->dropped);
-    if (o->files.paths[0] == NULL) {
-        shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a name");
-        return fail_as(o, SHEAR_E_NOMEM, STORE_TRANSIENT, SHEARD_RPC_IO);
-    }
+    if (o->files.paths[0] == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a name");
     o->input = shear_input_of_file(o->files.paths[0]);
     if (s->spool == NULL)
-        return fail_as(o, spooled_file_fail_switched_off(job, err), STORE_TRANSIENT, SHEARD_RPC_IO);
-    int code = spool_open_file(s->spool, active_name, &o->files.fds[0], err);
-    code = code == SHEAR_OK ? source_files_check_size(s, o->files.fds[0], o->files.paths[0], err)
-                            : code;
-    switch (code) {
-    case SHEAR_OK:
-        return code;
-    case SPOOL_GONE:
-        return fail_as(o, code, STORE_TRANSIENT, SHEARD_RPC_FILE_VANISHED);
-    case SHEAR_E_IO:
-        return fail_as(o, code, STORE_TRANSIENT, SHEARD_RPC_IO);
-    case SPOOL_DENIED:
-        return fail_as(o, code, STORE_DATA, SHEARD_RPC_NOT_READABLE);
-    case SPOOL_NOT_REGULAR:
-        return fail_as(o, code, STORE_DATA, SHEARD_RPC_NOT_REGULAR);
-    case JOB_SOURCE_E_TOO_LARGE:
-        return fail_as(o, code, STORE_DATA, SHEARD_RPC_FILE_TOO_LARGE);
-    default:
-        return fail_as(o, code, STORE_DATA, SHEARD_RPC_IO);
+        return spooled_file_fail_switched_off(job, err);
+    TRY(spool_open_file(s->spool, active_name, &o->files.fds[0], err));
+    return source_files_check_size(s, o->files.fds[0], o->files.paths[0], err);
+}
+
+/* Open the job's files, and set o->rpc. */
+static int open_files(const service *s, const store_job *job, job_source *o, shear_error *err) {
+    sheard_rpc_error error;
+    char active_name[SPOOL_NAME_SIZE];
+    o->rpc = SHEARD_RPC_IO;
+    if (sheard_source_parse(&o->source, job->source, &error) != SHEARD_RPC_OK) {
+        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the job's source cannot be read: %s",
+                          error.message);
     }
+    if (!spooled_file_is_field(job) || !spooled_file_name(job, active_name)) {
+        const int code = open_clients(s, job, o, err);
+        o->rpc = rpc_error_from_access(&error, code, err);
+        return code;
+    }
+    const int code = open_spooled(s, job, active_name, o, err);
+    o->rpc = rpc_error_from_spool(&error, code, err);
+    o->rpc = o->rpc == SHEARD_RPC_NO_SUCH_FILE ? SHEARD_RPC_FILE_VANISHED : o->rpc;
+    return code;
 }
 
 int job_source_open(const service *s, const store_job *job, job_source *o, shear_error *err) {
-    sheard_rpc_error error;
-    char active_name[SPOOL_NAME_SIZE];
     *o = (job_source){.files = SOURCE_FILES_NONE};
-    if (sheard_source_parse(&o->source, job->source, &error) != SHEARD_RPC_OK) {
-        shear_fail(err, SHEAR_E_INTERNAL, NULL, "the job's source cannot be read: %s",
-                   error.message);
-        return fail_as(o, SHEAR_E_INTERNAL, STORE_DATA, SHEARD_RPC_IO);
-    }
-    return spooled_file_is_field(job) && spooled_file_name(job, active_name)
-               ? open_spooled(s, job, active_name, o, err)
-               : open_clients(s, job, o, err);
+    const int code = open_files(s, job, o, err);
+    if (code == SHEAR_OK)
+        return SHEAR_OK;
+    const int rpc = o->rpc == SHEARD_RPC_NO_SUCH_FILE ? SHEARD_RPC_FILE_VANISHED : o->rpc;
+    const bool may_pass = rpc == SHEARD_RPC_FILE_VANISHED || rpc == SHEARD_RPC_ROOT_MISSING ||
+                          code == SHEAR_E_IO || code == SHEAR_E_NOMEM;
+    o->reason =
+        (failure_reason){may_pass ? STORE_TRANSIENT : STORE_DATA, sheard_rpc_code_get(rpc)->name};
+    return code;
 }
 
 void job_source_deinit(job_source *o) {

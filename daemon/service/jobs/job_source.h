@@ -4,6 +4,7 @@
 #pragma once
 
 #include "access/access.h"
+#include "service/jobs/job_outcome.h"
 #include "shear/field.h"
 #include "sheard/messages.h"
 #include "store/store.h"
@@ -40,9 +41,9 @@ void source_files_deinit(source_files *files);
 typedef struct job_source {
     sheard_msg_source source; /* as stored */
     source_files files;
-    shear_input input;           /* borrows its names from this record */
-    enum store_class fail_class; /* after an error, with the protocol's name of the code */
-    const char *fail_name;
+    shear_input input;       /* borrows its names from this record */
+    int rpc;                 /* after an error: the protocol's code, for who submits the job ... */
+    failure_reason reason;   /* ... and why the job fails */
 } job_source;
 
 /* Open the files for the job's owner, with the groups that the owner had when submitting; files of

@@ -4,43 +4,63 @@
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 
-void listing_begin(listing *l, service *s, const server_request *r,
-                   enum server_step (*step)(void *), void (*drop)(void *)) {
-    const server_work work = {.step = step, .drop = drop, .context = l};
-    *l = (listing){.s = s, .to = r->handle, .request = *r->request};
-    *r->request = (sheard_request){0}; /* taken over */
-    server_defer(s->server, l->to, &work);
+void *listing_new(service *s, server_handle to, sheard_request *request, const listing_kind *kind,
+                  size_t size, sheard_rpc_error *error) {
+    listing *l = calloc(1, size);
+    if (l == NULL) {
+        sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory for %s", kind->what);
+        return NULL;
+    }
+    l->kind = kind;
+    l->s = s;
+    l->to = to;
+    if (request != NULL) {
+        l->request = *request;
+        *request = (sheard_request){0};
+    }
+    return l;
 }
 
-void listing_deinit(listing *l) {
+static enum server_step step(void *context) {
+    listing *l = context;
+    sheard_rpc_error error;
+    const int code = l->kind->step(l, &error);
+    if (code > SHEARD_RPC_OK)
+        server_reply_error(l->s->server, l->to, &error);
+    return code == SHEARD_RPC_OK ? SERVER_MORE : SERVER_PAUSE;
+}
+
+void listing_free(listing *l) {
+    if (l->kind->deinit != NULL)
+        l->kind->deinit(l);
     sheard_request_deinit(&l->request);
     buffer_deinit(&l->items);
+    free(l);
 }
 
-bool listing_add(listing *l, const void *item) {
+static void drop(void *context) {
+    listing_free(context);
+}
+
+void listing_begin(listing *l) {
+    const server_work work = {.step = step, .drop = drop, .context = l};
+    server_defer(l->s->server, l->to, &work);
+}
+
+int listing_add(listing *l, const void *item, sheard_rpc_error *error) {
     CLEANUP(release_free) char *text = NULL;
-    sheard_rpc_error error;
     size_t n = 0;
-    if (sheard_reply_item(&text, &n, l->request.method, item, &error) != SHEARD_RPC_OK) {
-        server_reply_error(l->s->server, l->to, &error);
-        return false;
-    }
-    if ((l->items.n > 0 && !buffer_add_text(&l->items, ",")) || !buffer_add(&l->items, text, n)) {
-        sheard_rpc_fail(&error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
-        server_reply_error(l->s->server, l->to, &error);
-        return false;
-    }
-    return true;
+    TRY(sheard_reply_item(&text, &n, l->request.method, item, error));
+    if ((l->items.n > 0 && !buffer_add_text(&l->items, ",")) || !buffer_add(&l->items, text, n))
+        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
+    return SHEARD_RPC_OK;
 }
 
-void listing_reply(listing *l, const sheard_reply *rest) {
-    sheard_rpc_error error;
+int listing_reply(listing *l, const sheard_reply *rest, sheard_rpc_error *error) {
     char *line = NULL;
     size_t n = 0;
-    if (sheard_reply_list_line(&line, &n, &l->request.id, l->request.method, rest, l->items.bytes,
-                               l->items.n, &error) != SHEARD_RPC_OK) {
-        server_reply_error(l->s->server, l->to, &error);
-        return;
-    }
+    TRY(sheard_reply_list_line(&line, &n, &l->request.id, l->request.method, rest, l->items.bytes,
+                               l->items.n, error));
     server_reply_line(l->s->server, l->to, line, n);
+    return SHEARD_RPC_OK;
 }

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* hello, subscribe, unsubscribe: methods that concern the connection. */
+#include "base/cleanup.h"
 #include "service/core/parts.h"
+#include "service/jobs/rpc_errors.h"
 #include "service/rpc/methods.h"
-#include "service/rpc/refuse.h"
 #include "service/rpc/status.h"
 #include "shear/version.h"
 
-void method_hello(service *s, const server_request *r) {
+int method_hello(service *s, const server_request *r, sheard_rpc_error *error) {
     const sheard_msg_hello *hello = &r->request->params.hello;
     if (hello->oldest > SHEARD_PROTOCOL_VERSION || hello->newest < SHEARD_PROTOCOL_OLDEST) {
-        refuse_with(s, r->handle, SHEARD_RPC_UNSUPPORTED_VERSION,
-                    "client and service speak no common version of the protocol");
-        return;
+        return sheard_rpc_fail(error, SHEARD_RPC_UNSUPPORTED_VERSION, NULL,
+                               "client and service speak no common version of the protocol");
     }
     sheard_reply reply = {.hello = {.protocol = SHEARD_PROTOCOL_VERSION,
                                     .oldest = SHEARD_PROTOCOL_OLDEST,
@@ -22,20 +22,17 @@ void method_hello(service *s, const server_request *r) {
     reply.hello.methods = sheard_method_names(&reply.hello.n_methods);
     reply.hello.limits = status_limits(s);
     server_reply(s->server, r->handle, &reply);
+    return SHEARD_RPC_OK;
 }
 
-/* Return true if all jobs exist. Otherwise the error reply has been sent. */
-static bool jobs_known(service *s, const server_request *r, const int64_t *ids, size_t n) {
+/* Check that all jobs exist. */
+static int check_jobs(service *s, const int64_t *ids, size_t n, sheard_rpc_error *error) {
     for (size_t i = 0; i < n; i++) {
         shear_error err = {0};
         enum store_state state;
-        const int code = store_job_state(s->store, ids[i], &state, &err);
-        if (code != SHEAR_OK) {
-            refuse_store(s, r->handle, code, &err);
-            return false;
-        }
+        TRY(rpc_error_from_store(error, store_job_state(s->store, ids[i], &state, &err), &err));
     }
-    return true;
+    return SHEARD_RPC_OK;
 }
 
 /* Unsubscribe from jobs that are already final: nothing will be published about them. */
@@ -53,28 +50,21 @@ static void leave_final(service *s, uint64_t connection, const sheard_msg_subscr
     }
 }
 
-void method_subscribe(service *s, const server_request *r) {
+int method_subscribe(service *s, const server_request *r, sheard_rpc_error *error) {
     const sheard_msg_subscribe *what = &r->request->params.subscribe;
-    sheard_rpc_error error;
+    const uint64_t connection = r->handle.connection;
     sheard_reply reply = {0};
-    if (!jobs_known(s, r, what->jobs, what->n_jobs))
-        return;
-    if (server_subscribe(s->server, r->handle.connection, what, &reply.subscribe, &error) !=
-        SHEARD_RPC_OK) {
-        server_reply_error(s->server, r->handle, &error);
-        return;
-    }
-    leave_final(s, r->handle.connection, what, &reply.subscribe);
+    TRY(check_jobs(s, what->jobs, what->n_jobs, error));
+    TRY(server_subscribe(s->server, connection, what, &reply.subscribe, error));
+    leave_final(s, connection, what, &reply.subscribe);
     server_reply(s->server, r->handle, &reply);
+    return SHEARD_RPC_OK;
 }
 
-void method_unsubscribe(service *s, const server_request *r) {
-    sheard_rpc_error error;
+int method_unsubscribe(service *s, const server_request *r, sheard_rpc_error *error) {
     sheard_reply reply = {0};
-    if (server_unsubscribe(s->server, r->handle.connection, &r->request->params.subscribe,
-                           &reply.unsubscribe, &error) != SHEARD_RPC_OK) {
-        server_reply_error(s->server, r->handle, &error);
-        return;
-    }
+    TRY(server_unsubscribe(s->server, r->handle.connection, &r->request->params.subscribe,
+                           &reply.unsubscribe, error));
     server_reply(s->server, r->handle, &reply);
+    return SHEARD_RPC_OK;
 }

@@ -8,8 +8,8 @@
 #include "service/fields/change_notifier.h"
 #include "service/fields/estimates.h"
 #include "service/fields/field_purge.h"
+#include "service/jobs/rpc_errors.h"
 #include "service/rpc/methods.h"
-#include "service/rpc/refuse.h"
 
 #include <inttypes.h>
 
@@ -42,7 +42,7 @@ static void forgotten(post_commit *post, int code, const shear_error *err) {
     CLEANUP(release_free) forget_reply *reply = f->reply;
     CLEANUP(buffer_deinit) buffer digests = f->digests;
     if (code != SHEAR_OK) {
-        refuse_store(s, reply->to, code, err);
+        methods_reply_error(s, reply->to, code, err);
         return;
     }
     log_notice("field '%s' is to be forgotten: %" PRId64 " contributions in %" PRId64 " rows",
@@ -74,10 +74,9 @@ static int forget(service *s, const server_request *r, shear_error *err) {
     reply->to = r->handle;
     reply->waiter.done = reply_purged;
     snprintf(reply->field, sizeof reply->field, "%s", p->field);
-    int code = list_rows(s, p, &digests, err);
-    code = code == SHEAR_OK ? group_begin(&s->group, err) : code;
-    TRY(code == SHEAR_OK ? store_forget(s->store, p->field, p->digest, &reply->waiter.numbers, err)
-                         : code);
+    TRY(list_rows(s, p, &digests, err));
+    TRY(group_begin(&s->group, err));
+    TRY(store_forget(s->store, p->field, p->digest, &reply->waiter.numbers, err));
     estimates_note_retraction(s);
     forgotten_field *f = group_then(&s->group, forgotten, 0, sizeof *f);
     if (f == NULL)
@@ -88,12 +87,7 @@ static int forget(service *s, const server_request *r, shear_error *err) {
     return SHEAR_OK;
 }
 
-void method_forget(service *s, const server_request *r) {
+int method_forget(service *s, const server_request *r, sheard_rpc_error *error) {
     shear_error err = {0};
-    const int code = forget(s, r, &err);
-    if (code == STORE_NOT_FOUND) {
-        refuse_with(s, r->handle, SHEARD_RPC_NO_SUCH_FIELD, err.message);
-    } else if (code != SHEAR_OK) {
-        refuse_store(s, r->handle, code, &err);
-    }
+    return rpc_error_from_field(error, forget(s, r, &err), &err);
 }

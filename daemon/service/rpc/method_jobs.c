@@ -3,9 +3,9 @@
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/jobs/job_message.h"
+#include "service/jobs/rpc_errors.h"
 #include "service/rpc/listing.h"
 #include "service/rpc/methods.h"
-#include "service/rpc/refuse.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -27,26 +27,26 @@ static sheard_msg_attempt *history_of(const store_attempts *attempts) {
     return history;
 }
 
-void method_job(service *s, const server_request *r) {
+static int load_job(service *s, int64_t id, store_job *job, store_attempts *attempts,
+                    shear_error *err) {
+    TRY(store_job_get(s->store, id, job, err));
+    return store_attempts_get(s->store, id, attempts, err);
+}
+
+int method_job(service *s, const server_request *r, sheard_rpc_error *error) {
     CLEANUP(store_job_deinit) store_job job = {0};
     CLEANUP(store_attempts_deinit) store_attempts attempts = {0};
     shear_error err = {0};
-    const int64_t id = r->request->params.id.id;
-    int code = store_job_get(s->store, id, &job, &err);
-    code = code == SHEAR_OK ? store_attempts_get(s->store, id, &attempts, &err) : code;
-    if (code != SHEAR_OK) {
-        refuse_store(s, r->handle, code, &err);
-        return;
-    }
+    const int code = load_job(s, r->request->params.id.id, &job, &attempts, &err);
+    TRY(rpc_error_from_store(error, code, &err));
     CLEANUP(release_free) sheard_msg_attempt *history = history_of(&attempts);
-    if (history == NULL) {
-        refuse_with(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a job");
-        return;
-    }
+    if (history == NULL)
+        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory for a job");
     sheard_reply reply = {.job = {.history = history, .n_history = attempts.n}};
     job_to_message(s, &job, &reply.job.job);
     server_reply(s->server, r->handle, &reply);
     job_message_deinit(&reply.job.job);
+    return SHEARD_RPC_OK;
 }
 
 /* ---- jobs: in pages that fit into one step ---- */
@@ -59,61 +59,53 @@ typedef struct job_list {
     size_t left; /* of the limit */
 } job_list;
 
-static bool add_jobs(job_list *w, const store_job_page *page) {
-    bool good = true;
-    for (size_t i = 0; good && i < page->n; i++) {
-        sheard_msg_job job;
-        job_to_message(w->list.s, &page->jobs[i], &job);
-        job.result = NULL;
-        good = listing_add(&w->list, &job);
-        job_message_deinit(&job);
-    }
-    w->filter.before = page->n > 0 ? page->jobs[page->n - 1].id : w->filter.before;
-    w->left -= page->n;
-    return good;
+static int add_job(job_list *w, const store_job *job, sheard_rpc_error *error) {
+    CLEANUP(job_message_deinit) sheard_msg_job message = {0};
+    job_to_message(w->list.s, job, &message);
+    message.result = NULL;
+    return listing_add(&w->list, &message, error);
 }
 
-static enum server_step jobs_step(void *context) {
-    job_list *w = context;
+static int jobs_step(listing *l, sheard_rpc_error *error) {
+    job_list *w = (job_list *)l;
     CLEANUP(store_job_page_deinit) store_job_page page = {0};
     shear_error err = {0};
     char cursor[32];
-    const int code = store_jobs(w->list.s->store, &w->filter,
+    const int code = store_jobs(l->s->store, &w->filter,
                                 w->left < JOBS_A_STEP ? w->left : JOBS_A_STEP, &page, &err);
-    if (code != SHEAR_OK) {
-        refuse_store(w->list.s, w->list.to, code, &err);
-    } else if (add_jobs(w, &page) && (!page.more || w->left == 0)) {
-        snprintf(cursor, sizeof cursor, "%" PRId64, w->filter.before);
-        const sheard_reply rest = {.jobs.cursor = page.more ? cursor : NULL};
-        listing_reply(&w->list, &rest);
-    }
-    return SERVER_MORE;
+    TRY(rpc_error_from_store(error, code, &err));
+    for (size_t i = 0; i < page.n; i++)
+        TRY(add_job(w, &page.jobs[i], error));
+    w->filter.before = page.n > 0 ? page.jobs[page.n - 1].id : w->filter.before;
+    w->left -= page.n;
+    if (page.more && w->left > 0)
+        return SHEARD_RPC_OK;
+    snprintf(cursor, sizeof cursor, "%" PRId64, w->filter.before);
+    const sheard_reply rest = {.jobs.cursor = page.more ? cursor : NULL};
+    return listing_reply(l, &rest, error);
 }
 
-static void jobs_drop(void *context) {
-    job_list *w = context;
-    listing_deinit(&w->list);
-    free(w);
-}
+static const listing_kind job_lists = {.what = "a list of jobs", .step = jobs_step};
 
-void method_jobs(service *s, const server_request *r) {
+int method_jobs(service *s, const server_request *r, sheard_rpc_error *error) {
     const sheard_msg_jobs *p = &r->request->params.jobs;
     char *end = NULL;
     const int64_t before = p->cursor != NULL ? strtoll(p->cursor, &end, 10) : 0;
     if (p->cursor != NULL && (*end != '\0' || before <= 0)) {
-        refuse_with(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is not from this service");
-        return;
+        return sheard_rpc_fail(error, SHEARD_RPC_BAD_CURSOR, NULL,
+                               "the cursor is not from this service");
     }
-    job_list *w = calloc(1, sizeof *w);
-    if (w == NULL) {
-        refuse_with(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a list of jobs");
-        return;
-    }
-    w->filter = (store_job_filter){.states = p->states,
-                                   .field = p->field,
-                                   .by_owner = p->owner >= 0,
-                                   .owner = (uint32_t)(p->owner >= 0 ? p->owner : 0),
-                                   .before = before};
-    w->left = (size_t)p->limit;
-    listing_begin(&w->list, s, r, jobs_step, jobs_drop);
+    const store_job_filter filter = {.states = p->states,
+                                     .field = p->field,
+                                     .by_owner = p->owner >= 0,
+                                     .owner = (uint32_t)(p->owner >= 0 ? p->owner : 0),
+                                     .before = before};
+    const size_t limit = (size_t)p->limit;
+    job_list *w = listing_new(s, r->handle, r->request, &job_lists, sizeof *w, error);
+    if (w == NULL)
+        return error->code;
+    w->filter = filter;
+    w->left = limit;
+    listing_begin(&w->list);
+    return SHEARD_RPC_OK;
 }

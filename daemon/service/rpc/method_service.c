@@ -3,60 +3,48 @@
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/core/reload.h"
+#include "service/jobs/rpc_errors.h"
 #include "service/rpc/methods.h"
 #include "service/rpc/metrics.h"
-#include "service/rpc/refuse.h"
 #include "service/rpc/status.h"
 
-void method_status(service *s, const server_request *r) {
+int method_status(service *s, const server_request *r, sheard_rpc_error *error) {
     CLEANUP(status_deinit) status st = {.problems = NULL};
     shear_error err = {0};
-    const int code = status_init(&st, s, &err);
-    if (code != SHEAR_OK) {
-        refuse_store(s, r->handle, code, &err);
-        return;
-    }
+    TRY(rpc_error_from_store(error, status_init(&st, s, &err), &err));
     const sheard_reply reply = {.status = st.message};
     server_reply(s->server, r->handle, &reply);
+    return SHEARD_RPC_OK;
 }
 
-static int metrics_text(service *s, char **text, shear_error *err) {
+int method_metrics(service *s, const server_request *r, sheard_rpc_error *error) {
     CLEANUP(status_deinit) status st = {.problems = NULL};
+    CLEANUP(release_free) char *text = NULL;
     server_statistics net;
+    shear_error err = {0};
     size_t size = 0;
-    TRY(status_init(&st, s, err));
-    FILE *out = open_memstream(text, &size);
+    TRY(rpc_error_from_store(error, status_init(&st, s, &err), &err));
+    FILE *out = open_memstream(&text, &size);
     if (out != NULL) {
         server_get_statistics(s->server, &net);
         metrics_write(out, &st, &net);
     }
-    return out != NULL && fclose(out) == 0
-               ? SHEAR_OK
-               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the metrics");
-}
-
-void method_metrics(service *s, const server_request *r) {
-    CLEANUP(release_free) char *text = NULL;
-    shear_error err = {0};
-    const int code = metrics_text(s, &text, &err);
-    if (code != SHEAR_OK) {
-        refuse_store(s, r->handle, code, &err);
-        return;
+    if (out == NULL || fclose(out) != 0) {
+        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
+                               "out of memory for the metrics");
     }
     const sheard_reply reply = {
         .metrics = {.content_type = "text/plain; version=0.0.4; charset=utf-8", .text = text}};
     server_reply(s->server, r->handle, &reply);
+    return SHEARD_RPC_OK;
 }
 
-void method_reload(service *s, const server_request *r) {
-    sheard_rpc_error error;
+int method_reload(service *s, const server_request *r, sheard_rpc_error *error) {
     sheard_reply reply = {0};
-    if (reload_config(s, &reply.reload, &error) != SHEARD_RPC_OK) {
-        server_reply_error(s->server, r->handle, &error);
-        return;
-    }
+    TRY(reload_config(s, &reply.reload, error));
     server_reply(s->server, r->handle, &reply);
     reload_reply_deinit(&reply.reload);
+    return SHEARD_RPC_OK;
 }
 
 static void reply_state(service *s, server_handle to) {
@@ -64,17 +52,21 @@ static void reply_state(service *s, server_handle to) {
     server_reply(s->server, to, &reply);
 }
 
-void method_drain(service *s, const server_request *r) {
+int method_drain(service *s, const server_request *r, sheard_rpc_error *error) {
+    (void)error;
     lifecycle_drain(s);
     reply_state(s, r->handle);
     lifecycle_announce(s);
+    return SHEARD_RPC_OK;
 }
 
-void method_shutdown(service *s, const server_request *r) {
+int method_shutdown(service *s, const server_request *r, sheard_rpc_error *error) {
+    (void)error;
     if (r->request->params.shutdown.mode == SHEARD_SHUTDOWN_NOW) {
         lifecycle_stop_now(s);
     } else {
         lifecycle_stop(s, r->request->params.shutdown.timeout_s);
     }
     reply_state(s, r->handle);
+    return SHEARD_RPC_OK;
 }

@@ -2,7 +2,7 @@
 #include "service/rpc/methods.h"
 
 #include "service/core/parts.h"
-#include "service/rpc/refuse.h"
+#include "service/jobs/rpc_errors.h"
 
 #include <assert.h>
 
@@ -12,14 +12,26 @@ static method_handler *const handlers[SHEARD_N_METHODS] = {
 #undef METHOD
 };
 
-void methods_request(void *context, const server_request *r) {
-    service *s = context;
+static int handle(service *s, const server_request *r, sheard_rpc_error *error) {
     const int method = r->request->method;
     assert(method >= 0 && method < SHEARD_N_METHODS);
     if (sheard_method_needs_admin(method) && !permissions_is_admin(&s->permissions, r->peer)) {
-        refuse_with(s, r->handle, SHEARD_RPC_NOT_ADMIN,
-                    "only administrators may do this ([access] admin_users, admin_groups)");
-        return;
+        return sheard_rpc_fail(
+            error, SHEARD_RPC_NOT_ADMIN, NULL,
+            "only administrators may do this ([access] admin_users, admin_groups)");
     }
-    handlers[method](s, r);
+    return handlers[method](s, r, error);
+}
+
+void methods_request(void *context, const server_request *r) {
+    service *s = context;
+    sheard_rpc_error error;
+    if (handle(s, r, &error) != SHEARD_RPC_OK)
+        server_reply_error(s->server, r->handle, &error);
+}
+
+void methods_reply_error(service *s, server_handle to, int code, const shear_error *err) {
+    sheard_rpc_error error;
+    rpc_error_from_store(&error, code, err);
+    server_reply_error(s->server, to, &error);
 }

@@ -12,9 +12,7 @@
 typedef struct service service;
 
 typedef struct pending_waits {
-    TAILQ_HEAD(, pending_wait) asleep;
-    TAILQ_HEAD(, wait_user) users;
-    size_t ids; /* number of jobs in the waits of all users */
+    TAILQ_HEAD(, pending_wait) first; /* in the order of their requests */
 } pending_waits;
 
 /* There is no deinit: the server drops all waits when it closes. */

@@ -8,7 +8,6 @@
 #include "service/jobs/job_outcome.h"
 #include "service/rpc/methods.h"
 #include "service/rpc/probe_field.h"
-#include "service/rpc/refuse.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -118,20 +117,17 @@ void probe_event(service *s, const engine_event *e) {
     }
 }
 
-void method_probe(service *s, const server_request *r) {
+int method_probe(service *s, const server_request *r, sheard_rpc_error *error) {
     probe *p = s->probe;
-    if (s->life.state == SHEARD_SERVER_STOPPING) {
-        refuse_with(s, r->handle, SHEARD_RPC_STOPPING, "the service is about to exit");
-        return;
-    }
+    if (s->life.state == SHEARD_SERVER_STOPPING)
+        return sheard_rpc_fail(error, SHEARD_RPC_STOPPING, NULL, "the service is about to exit");
     if (p->n_asking == PROBE_ASKING) {
-        refuse_with(s, r->handle, SHEARD_RPC_TOO_MANY_REQUESTS,
-                    "too many requests wait for the running probe");
-        return;
+        return sheard_rpc_fail(error, SHEARD_RPC_TOO_MANY_REQUESTS, NULL,
+                               "too many requests wait for the running probe");
     }
     p->asking[p->n_asking++] = r->handle;
     if (p->n_asking > 1)
-        return;
+        return SHEARD_RPC_OK;
     p->begun_s = clock_s(CLOCK_MONOTONIC);
     p->work.data = s;
     p->fd = -1;
@@ -139,4 +135,5 @@ void method_probe(service *s, const server_request *r) {
         answer_failed(s, sheard_rpc_code_get(SHEARD_RPC_INTERNAL)->name,
                       &(shear_error){.message = "the probe's field cannot be made now"});
     }
+    return SHEARD_RPC_OK;
 }
