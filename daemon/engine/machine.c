@@ -9,15 +9,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-enum { PATH_SIZE = 4300 };
-
 static int64_t least(int64_t a, int64_t b) {
     return a < b ? a : b;
 }
 
 /* Return the number in a file of the group; INT64_MAX for "max" or if there is no such file. */
 static int64_t read_limit(const char *group, const char *name) {
-    char path[PATH_SIZE + 512];
+    char path[MACHINE_PATH_SIZE + 512];
     char line[32] = "";
     int64_t bytes = 0;
     snprintf(path, sizeof path, "%s/%s", group, name);
@@ -28,34 +26,43 @@ static int64_t read_limit(const char *group, const char *name) {
     return text_to_int64(line, &bytes) && bytes > 0 ? bytes : INT64_MAX;
 }
 
-/* Read the group's name from the line "0::/path", that of version 2. */
-static void read_group(const char *membership, char *group, size_t size) {
-    char line[PATH_SIZE];
+static int64_t memory_of(const char *group) {
+    return least(read_limit(group, "memory.max"), read_limit(group, "memory.high"));
+}
+
+/* The name is in the line "0::/path", that of version 2. */
+bool machine_group(const char *membership, char group[MACHINE_PATH_SIZE]) {
+    char line[MACHINE_PATH_SIZE];
     CLEANUP(release_file) FILE *f = fopen(membership, "re");
     group[0] = '\0';
     while (f != NULL && fgets(line, sizeof line, f) != NULL) {
         if (strncmp(line, "0::", 3) == 0) {
             line[strcspn(line, "\n")] = '\0';
-            text_set(group, size, line + 3);
+            text_set(group, MACHINE_PATH_SIZE, line + 3);
         }
     }
+    return group[0] != '\0';
 }
 
-int64_t machine_cgroup_memory(const char *membership, const char *root) {
-    char group[PATH_SIZE];
-    char path[PATH_SIZE + 256];
-    int64_t bytes = INT64_MAX;
-    read_group(membership, group, sizeof group);
+int64_t machine_least_limit(const char *root, const char *group,
+                            int64_t (*limit_of)(const char *directory)) {
+    char path[MACHINE_PATH_SIZE + 256];
+    int64_t limit = INT64_MAX;
     snprintf(path, sizeof path, "%s%s", root, group);
     for (const size_t top = strlen(root); strlen(path) >= top;) {
-        bytes =
-            least(bytes, least(read_limit(path, "memory.max"), read_limit(path, "memory.high")));
+        limit = least(limit, limit_of(path));
         char *slash = strrchr(path, '/');
         if (slash == NULL)
             break;
         *slash = '\0';
     }
-    return bytes;
+    return limit;
+}
+
+int64_t machine_cgroup_memory(const char *membership, const char *root) {
+    char group[MACHINE_PATH_SIZE];
+    (void)machine_group(membership, group);
+    return machine_least_limit(root, group, memory_of);
 }
 
 int64_t machine_memory(void) {

@@ -52,10 +52,9 @@ int open_engine(service *s, shear_error *err) {
     char program[4200];
     char copies[4200];
     const bool chosen = strcmp(c->reader.scratch, "auto") != 0;
-    int code = reader_find_program(program, sizeof program, err);
-    TRY(code == SHEAR_OK ? scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
-                                        c->daemon.state_dir, err)
-                         : code);
+    TRY(reader_find_program(program, sizeof program, err));
+    TRY(scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "", c->daemon.state_dir,
+                     err));
     reader_limits limits = tuning_reader(c);
     limits.program = program;
     limits.scratch = copies;
@@ -90,7 +89,7 @@ int open_server(service *s, shear_error *err) {
         .limits = tuning_server(c),
         .defaults = &c->measure,
         .handlers = {.request = methods_request, .is_admin = is_admin, .context = s}};
-    const int code = server_activation(fds, 8, &options.n_fds, err);
+    TRY(server_activation(fds, 8, &options.n_fds, err));
     s->activated = s->activated || options.n_fds > 0;
-    return code == SHEAR_OK ? server_open(&s->server, &s->loop, &options, err) : code;
+    return server_open(&s->server, &s->loop, &options, err);
 }

@@ -24,7 +24,6 @@
 #include "service/rpc/probe.h"
 #include "shear/version.h"
 
-#include <pwd.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -167,8 +166,8 @@ static int open_state(service *s, shear_error *err) {
     const group_hooks turn = {.turn_ended = on_turn_ended, .context = s};
     TRY(open_store(s, err));
     group_start(&s->group, &s->loop, s->store, &s->notes, &turn);
-    int code = clock_watch_start(&s->clock, &s->group, &s->config, err);
-    TRY(code == SHEAR_OK ? catalogs_open(s, err) : code);
+    TRY(clock_watch_start(&s->clock, &s->group, &s->config, err));
+    TRY(catalogs_open(s, err));
     catalogs_remove_retracted(s);
     return SHEAR_OK;
 }
@@ -209,15 +208,6 @@ static int open_all(service *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-static void name_user(char *out, size_t size) {
-    const struct passwd *entry = getpwuid(geteuid());
-    if (entry != NULL) {
-        snprintf(out, size, "%s", entry->pw_name);
-    } else {
-        snprintf(out, size, "%lu", (unsigned long)geteuid());
-    }
-}
-
 static int copy_arguments(service *s, const char *config_path, const sheard_list *assignments,
                           shear_error *err) {
     s->config_path = config_path != NULL ? strdup(config_path) : NULL;
@@ -235,7 +225,7 @@ int service_open(service **out, sheard_config *config, const char *config_path,
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
     s->config = *config;
-    name_user(s->user, sizeof s->user);
+    user_names_write(geteuid(), s->user, sizeof s->user);
     int code = copy_arguments(s, config_path, assignments, err);
     code = code == SHEAR_OK ? open_all(s, err) : code;
     if (code != SHEAR_OK) {

@@ -23,6 +23,14 @@ void store_field_page_deinit(store_field_page *page) {
     *page = (store_field_page){0};
 }
 
+store_field *store_field_page_find(const store_field_page *page, const char *settings_digest) {
+    for (size_t i = 0; i < page->n; i++) {
+        if (strcmp(page->fields[i].settings_digest, settings_digest) == 0)
+            return &page->fields[i];
+    }
+    return NULL;
+}
+
 static int read_field(query *q, store_field *f, shear_error *err) {
     f->name = query_get_text(q);
     f->settings_digest = query_get_text(q);

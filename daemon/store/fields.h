@@ -28,6 +28,8 @@ typedef struct store_field_page {
     int64_t unfinished;
 } store_field_page;
 void store_field_page_deinit(store_field_page *page);
+/* Return the first row with these settings, or NULL if there is none. */
+store_field *store_field_page_find(const store_field_page *page, const char *settings_digest);
 
 /* Get all records of one name (at most STORE_PAGE_MAX). STORE_NOT_FOUND if nothing was counted and
  * nothing is unfinished. */

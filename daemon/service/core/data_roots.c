@@ -106,14 +106,12 @@ size_t data_roots_missing(const data_roots *d, const char **list, size_t capacit
 
 /* Make jobs that wait for a root due now. */
 static void retry_jobs(group *g) {
+    const char *reason = sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name;
     shear_error err = {0};
-    int code = group_begin(g, &err);
-    code = code == SHEAR_OK
-               ? store_retry_waiting(g->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name,
-                                     clock_wall_ms(), &err)
-               : code;
-    if (code != SHEAR_OK)
+    if (group_begin(g, &err) != SHEAR_OK ||
+        store_retry_waiting(g->store, reason, clock_wall_ms(), &err) != SHEAR_OK) {
         log_warning("jobs that wait for a data root are tried later: %s", err.message);
+    }
 }
 
 static void update(data_roots *d, data_root *known, const data_root *found) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/core/owner.h"
 
+#include "service/core/user_names.h"
+
 #include <pwd.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,7 +23,7 @@ static int refuse(const char *state_dir, const char *user, shear_error *err) {
 
 int owner_check(const char *state_dir, const char *installed, const char *user, shear_error *err) {
     struct stat st;
-    char number[32];
+    char owner[64];
     if (geteuid() != 0)
         return SHEAR_OK;
     if (stat(state_dir, &st) != 0) {
@@ -31,7 +33,6 @@ int owner_check(const char *state_dir, const char *installed, const char *user, 
     }
     if (st.st_uid == 0)
         return SHEAR_OK;
-    const struct passwd *owner = getpwuid(st.st_uid);
-    snprintf(number, sizeof number, "%lu", (unsigned long)st.st_uid);
-    return refuse(state_dir, owner != NULL ? owner->pw_name : number, err);
+    user_names_write(st.st_uid, owner, sizeof owner);
+    return refuse(state_dir, owner, err);
 }

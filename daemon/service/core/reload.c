@@ -93,16 +93,13 @@ static int replace_config(service *s, sheard_config *fresh, sheard_msg_reloaded 
 /* Look up the permissions of the new configuration before it replaces the old one. */
 static int replace_all(service *s, sheard_config *fresh, sheard_msg_reloaded *reply,
                        shear_error *err) {
-    permissions found;
+    CLEANUP(permissions_deinit) permissions found = {0};
     TRY(permissions_init(&found, fresh, err));
-    int code = s->hooks->check_reload(s, fresh, err);
-    code = code == SHEAR_OK ? replace_config(s, fresh, reply, err) : code;
-    if (code != SHEAR_OK) {
-        permissions_deinit(&found);
-        return code;
-    }
-    permissions_deinit(&s->permissions);
+    TRY(s->hooks->check_reload(s, fresh, err));
+    TRY(replace_config(s, fresh, reply, err));
+    const permissions old = s->permissions;
     s->permissions = found;
+    found = old;
     return SHEAR_OK;
 }
 

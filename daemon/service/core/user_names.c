@@ -4,10 +4,19 @@
 #include "base/text.h"
 
 #include <pwd.h>
-#include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { FRESH_MS = 60000 };
+
+void user_names_write(uid_t uid, char *out, size_t size) {
+    const struct passwd *entry = getpwuid(uid);
+    if (entry != NULL) {
+        snprintf(out, size, "%s", entry->pw_name);
+    } else {
+        snprintf(out, size, "%lu", (unsigned long)uid);
+    }
+}
 
 const char *user_names_get(user_names *all, uid_t uid, int64_t now_ms) {
     known_user *u = &all->known[uid % KNOWN_USERS];

@@ -18,6 +18,9 @@ typedef struct user_names {
     known_user known[KNOWN_USERS];
 } user_names;
 
+/* Write the user's name, or its number if it has none, into out[size]. Waits for the user
+ * database. */
+void user_names_write(uid_t uid, char *out, size_t size);
 /* Return the user's name, valid until the next call, or NULL if there is none. `now_ms` is of a
  * clock that is never set. */
 const char *user_names_get(user_names *all, uid_t uid, int64_t now_ms);

@@ -2,6 +2,7 @@
 #include "service/fields/change_notifier.h"
 
 #include "base/cleanup.h"
+#include "base/text.h"
 #include "service/core/parts.h"
 #include "service/fields/estimates.h"
 
@@ -9,18 +10,12 @@ enum { SLICE_NS = 2000000, PAUSE_MS = 5 };
 
 struct changed_field {
     changed_field *next;
-    char *name, *digest;
+    char name[STORE_FIELD_MAX + 1], digest[STORE_DIGEST_MAX + 1];
     int64_t since;     /* see fields/estimates.h */
     bool being_solved; /* the last attempt found its result still being solved */
     bool again;        /* it has changed since that attempt */
     int64_t round;     /* the last round in which it was tried */
 };
-
-static void changed_free(changed_field *f) {
-    free(f->name);
-    free(f->digest);
-    free(f);
-}
 
 void change_notifier_init(change_notifier *n, service *s, change_publish *publish) {
     n->publish = publish;
@@ -32,7 +27,7 @@ void change_notifier_deinit(change_notifier *n) {
     while (n->first != NULL) {
         changed_field *f = n->first;
         n->first = f->next;
-        changed_free(f);
+        free(f);
     }
 }
 
@@ -55,34 +50,25 @@ void change_notifier_note(service *s, const char *name, const char *digest) {
     f = calloc(1, sizeof *f);
     if (f == NULL)
         return;
-    *f = (changed_field){.next = n->first,
-                         .name = strdup(name),
-                         .digest = strdup(digest),
-                         .since = estimates_begun(s)};
-    if (f->name == NULL || f->digest == NULL) {
-        changed_free(f);
-        return;
-    }
+    *f = (changed_field){.next = n->first, .since = estimates_begun(s)};
+    text_set(f->name, sizeof f->name, name);
+    text_set(f->digest, sizeof f->digest, digest);
     n->first = f;
 }
 
 /* Publish the field. False: its result is still being solved. */
-static bool publish(service *s, const changed_field *f) {
+static bool publish(service *s, changed_field *f) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     shear_error ignored;
     const int code = store_field_get(s->store, f->name, &page, &ignored);
     if (code != SHEAR_OK && code != STORE_NOT_FOUND)
         return true;
-    for (size_t i = 0; i < page.n; i++) {
-        if (strcmp(page.fields[i].settings_digest, f->digest) != 0)
-            continue;
-        if (!estimates_at_hand(s, &page.fields[i], f->since))
-            return false;
-        s->notifier->publish(s, &page.fields[i], page.n > 1, f->since);
-        return true;
-    }
-    const store_field gone = {.name = f->name, .settings_digest = f->digest};
-    s->notifier->publish(s, &gone, page.n > 0, f->since);
+    const store_field *row = store_field_page_find(&page, f->digest);
+    if (row != NULL && !estimates_at_hand(s, row, f->since))
+        return false;
+    store_field gone = {.name = f->name, .settings_digest = f->digest};
+    const size_t others = row != NULL ? page.n - 1 : page.n;
+    s->notifier->publish(s, row != NULL ? row : &gone, others > 0, f->since);
     return true;
 }
 
@@ -121,7 +107,7 @@ static void publish_some(service *s, uint64_t end) {
         }
         if (is_told(s, f)) {
             *at = f->next;
-            changed_free(f);
+            free(f);
         } else {
             at = &f->next;
         }

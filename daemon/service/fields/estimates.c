@@ -58,19 +58,14 @@ static void solve(uv_work_t *work) {
 static int load(service *s, solving *t, shear_error *err) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     const estimate *e = t->what;
-    int code = store_field_get(s->store, e->name, &page, err);
-    for (size_t i = 0; code == SHEAR_OK && i < page.n; i++) {
-        if (strcmp(page.fields[i].settings_digest, e->digest) == 0) {
-            t->jobs = page.fields[i].jobs;
-            code = shear_field_sums_parse(&t->sums, page.fields[i].sums, err);
-        }
-    }
-    if (code != SHEAR_OK)
-        return code;
-    if (t->sums == NULL)
+    TRY(store_field_get(s->store, e->name, &page, err));
+    const store_field *f = store_field_page_find(&page, e->digest);
+    if (f == NULL)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "field '%s' is gone", e->name);
-    code = shear_symmetry_new(&t->terms, err);
-    return code == SHEAR_OK ? store_field_terms(s->store, e->name, e->digest, t->terms, err) : code;
+    t->jobs = f->jobs;
+    TRY(shear_field_sums_parse(&t->sums, f->sums, err));
+    TRY(shear_symmetry_new(&t->terms, err));
+    return store_field_terms(s->store, e->name, e->digest, t->terms, err);
 }
 
 /* Wake the requests that waited for this result and for no other. When the service closes, they are

@@ -69,15 +69,11 @@ static void have_left(post_commit *post, int code, const shear_error *err) {
 
 static int remove_one(service *s, purge_slice *slice, shear_error *err) {
     CLEANUP(store_removal_deinit) store_removal next = {0};
-    int code = store_next_removal(s->store, &next, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(store_next_removal(s->store, &next, err));
     if (next.forgotten != 0) {
         const bool gone = next.contribution != 0 && catalog_remove_leaving(s, &next);
-        code = store_remove(s->store, &next, gone, err);
+        TRY(store_remove(s->store, &next, gone, err));
     }
-    if (code != SHEAR_OK)
-        return code;
     slice->row = next.forgotten;
     slice->jobs += next.kept;
     slice->over = next.contribution == 0;
@@ -89,10 +85,10 @@ static int remove_one(service *s, purge_slice *slice, shear_error *err) {
 static int remove_some(service *s, purge_slice *slice, shear_error *err) {
     enum { SLICE_NS = 3000000 };
     const uint64_t end = uv_hrtime() + SLICE_NS;
-    int code = group_begin(&s->group, err);
-    while (code == SHEAR_OK && !slice->over && uv_hrtime() < end)
-        code = remove_one(s, slice, err);
-    return code;
+    TRY(group_begin(&s->group, err));
+    while (!slice->over && uv_hrtime() < end)
+        TRY(remove_one(s, slice, err));
+    return SHEAR_OK;
 }
 
 static bool is_any_left(const service *s) {

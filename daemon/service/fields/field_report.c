@@ -45,9 +45,9 @@ static int first_plan(const service *s, const store_field *f, sheard_account *fi
         }
         return SHEAR_OK;
     }
-    const int code = store_contributions(s->store, f->name, f->settings_digest, 0, 1, &page, err);
-    if (code != SHEAR_OK || page.n == 0)
-        return code;
+    TRY(store_contributions(s->store, f->name, f->settings_digest, 0, 1, &page, err));
+    if (page.n == 0)
+        return SHEAR_OK;
     read_account(&page.items[0], first);
     first->file.checksum = NULL; /* it may belong to the page */
     return SHEAR_OK;
@@ -162,9 +162,9 @@ int field_report(const service *s, const store_field *f, const shear_settings *s
     CLEANUP(sheard_account_deinit) sheard_account first = {0};
     CLEANUP(listed_deinit) listed files = {0};
     store_truth truth;
-    int code = listed_init(&files, counted, err);
-    code = code == SHEAR_OK ? shared_truth(s, f, &truth, err) : code;
-    TRY(code == SHEAR_OK ? first_plan(s, f, &first, err) : code);
+    TRY(listed_init(&files, counted, err));
+    TRY(shared_truth(s, f, &truth, err));
+    TRY(first_plan(s, f, &first, err));
     CLEANUP(release_free) char *top_file = find_top_file(s, f, result);
     return write_report(f, settings, result, &first, &truth, top_file, files.files, files.n, text,
                         err);

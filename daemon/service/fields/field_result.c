@@ -53,20 +53,12 @@ int field_result_counted(service *s, const store_field *f, int64_t since, shear_
                          int64_t *jobs, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     shear_settings settings;
-    int code = sheard_settings_read(&settings, f->settings, err);
-    code = code == SHEAR_OK ? shear_field_sums_parse(&sums, f->sums, err) : code;
-    return code == SHEAR_OK ? result_of(s, f, &settings, sums, since, out, jobs, err) : code;
+    TRY(sheard_settings_read(&settings, f->settings, err));
+    TRY(shear_field_sums_parse(&sums, f->sums, err));
+    return result_of(s, f, &settings, sums, since, out, jobs, err);
 }
 
 /* ---- rows of running jobs ---- */
-
-static store_field *find_row(const store_field_page *page, const char *digest) {
-    for (size_t i = 0; i < page->n; i++) {
-        if (strcmp(page->fields[i].settings_digest, digest) == 0)
-            return &page->fields[i];
-    }
-    return NULL;
-}
 
 static int add_row(store_field_page *page, const char *name, const active_job *j,
                    shear_error *err) {
@@ -92,9 +84,9 @@ int field_result_add_rows(const service *s, const char *name, store_field_page *
     for (const active_job *j = s->jobs->first; j != NULL; j = j->next) {
         if (!active_job_is_of(j, name, NULL))
             continue;
-        if (find_row(page, j->digest) == NULL)
+        if (store_field_page_find(page, j->digest) == NULL)
             TRY(add_row(page, name, j, err));
-        store_field *f = find_row(page, j->digest);
+        store_field *f = store_field_page_find(page, j->digest);
         if (f >= page->fields + counted)
             f->unfinished++;
     }

@@ -28,8 +28,8 @@ static int look_at(no_result *r, store *s, const store_contribution *c, shear_er
     CLEANUP(release_free) char *text = NULL;
     shear_field_sums *sums = NULL;
     shear_result own;
-    int code = store_contribution_sums(s, c->id, &text, err);
-    TRY(code == SHEAR_OK ? shear_field_sums_parse(&sums, text, err) : code);
+    TRY(store_contribution_sums(s, c->id, &text, err));
+    TRY(shear_field_sums_parse(&sums, text, err));
     shear_field_result(sums, &own);
     shear_field_sums_free(sums);
     const bool to_blame = own.n_used > 0 && !(own.sum_d > 0.0 && isfinite(own.sum_d));

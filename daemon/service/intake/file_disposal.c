@@ -53,13 +53,11 @@ static void keep_place(service *s, store_job *job, const spool_place *place) {
     free(job->place_fingerprint);
     job->place = strdup(place->name);
     job->place_fingerprint = strdup(place->fingerprint);
-    int code = group_begin(&s->group, &err);
-    code = code == SHEAR_OK
-               ? store_set_disposal(s->store, job->id, place->name, place->fingerprint, &err)
-               : code;
-    if (code != SHEAR_OK)
+    if (group_begin(&s->group, &err) != SHEAR_OK ||
+        store_set_disposal(s->store, job->id, place->name, place->fingerprint, &err) != SHEAR_OK) {
         log_warning("job %" PRId64 ": the place of its file could not be stored: %s", job->id,
                     err.message);
+    }
 }
 
 void file_disposal_end(service *s, store_job *job) {

@@ -20,12 +20,12 @@ static int check_files(service *s, const submission *sub, source_files *files,
     shear_error err = {0};
     int part = -1;
     const int code = source_files_open(s, &sub->peer, &sub->submit->source, files, &part, &err);
-    if (code != SHEAR_OK) {
-        rpc_error_from_access(error, code, &err);
-        snprintf(error->parameter, sizeof error->parameter, "%s%spath",
-                 part >= 0 ? shear_part_name(part) : "", part >= 0 ? "." : "");
-    }
-    return code == SHEAR_OK ? SHEARD_RPC_OK : error->code;
+    if (code == SHEAR_OK)
+        return SHEARD_RPC_OK;
+    rpc_error_from_access(error, code, &err);
+    snprintf(error->parameter, sizeof error->parameter, "%s%spath",
+             part >= 0 ? shear_part_name(part) : "", part >= 0 ? "." : "");
+    return error->code;
 }
 
 /* Store the job. `groups` are the peer's, as text; NULL: the file is the service's own. */
@@ -40,8 +40,7 @@ static int put(service *s, const submission *sub, const sheard_msg_source *named
         sheard_settings_digest(settings, digest, hex, sizeof hex, &err) != SHEAR_OK) {
         return sheard_rpc_fail(error, SHEARD_RPC_BAD_SETTING, NULL, "%s", err.message);
     }
-    if (sheard_source_text(&source, named, error) != SHEARD_RPC_OK)
-        return error->code;
+    TRY(sheard_source_text(&source, named, error));
     const store_spec spec = {.field = sub->submit->field,
                              .source = source,
                              .settings = text,
@@ -55,10 +54,9 @@ static int put(service *s, const submission *sub, const sheard_msg_source *named
                              .gid = sub->peer.gid,
                              .groups = groups,
                              .created_ms = clock_wall_ms()};
-    int code = group_begin(&s->group, &err);
-    code = code == SHEAR_OK ? store_submit(s->store, &spec, s->config.limits.queue, id, known, &err)
-                            : code;
-    return code == SHEAR_OK ? SHEARD_RPC_OK : rpc_error_from_store(error, code, &err);
+    TRY(rpc_error_from_store(error, group_begin(&s->group, &err), &err));
+    const int code = store_submit(s->store, &spec, s->config.limits.queue, id, known, &err);
+    return rpc_error_from_store(error, code, &err);
 }
 
 static int put_clients(service *s, const submission *sub, const shear_settings *settings,
@@ -66,9 +64,7 @@ static int put_clients(service *s, const submission *sub, const shear_settings *
     CLEANUP(source_files_deinit) source_files files = SOURCE_FILES_NONE;
     CLEANUP(release_free) char *groups = NULL;
     shear_error err = {0};
-    const int code = check_files(s, sub, &files, error);
-    if (code != SHEARD_RPC_OK)
-        return code;
+    TRY(check_files(s, sub, &files, error));
     if (access_peer_groups_text(&sub->peer, &groups, &err) != SHEAR_OK)
         return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "%s", err.message);
     return put(s, sub, &files.named, groups, settings, id, known, error);

@@ -10,10 +10,10 @@ typedef struct service service;
 typedef struct active_job {
     struct active_job *next;
     int64_t id;
-    int64_t failures;   /* attempts that failed so far, for the back-off */
-    int64_t started_ms; /* steady clock */
-    char *path;         /* for messages */
-    char *field;        /* requested, or from the file; NULL: not known yet */
+    int64_t failures;                  /* attempts that failed so far, for the back-off */
+    int64_t started_ms;                /* steady clock */
+    char *path;                        /* for messages */
+    char *field;                       /* requested, or from the file; NULL: not known yet */
     char digest[STORE_DIGEST_MAX + 1]; /* of its settings */
     shear_settings settings;
     char checksum[SHEAR_CHECKSUM_SIZE]; /* "": not known yet */

@@ -168,8 +168,8 @@ static int fail_foreign(const service *s, const char *directory, const char *why
 static int claim_unmarked(service *s, const char *directory, const char *mark, shear_error *err) {
     char why[160];
     directory_content c = {.directory = directory};
-    int code = store_last_job(s->store, &c.last_job, err);
-    TRY(code == SHEAR_OK ? catalog_directory_visit(s, directory, count, &c, err) : code);
+    TRY(store_last_job(s->store, &c.last_job, err));
+    TRY(catalog_directory_visit(s, directory, count, &c, err));
     if (c.strange != 0) {
         snprintf(why, sizeof why,
                  "there is one of a job %" PRId64 ", which this one has not had yet", c.strange);

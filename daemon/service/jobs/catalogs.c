@@ -67,11 +67,11 @@ bool catalog_remove_leaving(const service *s, const store_removal *l) {
 /* Remove the catalog of the next retracted job after *id, and set *id; 0: there is no other. */
 static int remove_next_retracted(service *s, int64_t *id, shear_error *err) {
     CLEANUP(release_free) char *path = NULL;
-    int code = store_next_leftover(s->store, *id, id, &path, err);
-    if (code != SHEAR_OK || *id == 0 || !remove_retracted(s, *id, path, true))
-        return code;
-    code = group_begin(&s->group, err);
-    return code == SHEAR_OK ? store_catalog_gone(s->store, *id, err) : code;
+    TRY(store_next_leftover(s->store, *id, id, &path, err));
+    if (*id == 0 || !remove_retracted(s, *id, path, true))
+        return SHEAR_OK;
+    TRY(group_begin(&s->group, err));
+    return store_catalog_gone(s->store, *id, err);
 }
 
 void catalogs_remove_retracted(service *s) {
@@ -112,8 +112,8 @@ int catalogs_open(service *s, shear_error *err) {
     const char *directory = s->config.catalogs.directory;
     if (!s->config.catalogs.enabled)
         return SHEAR_OK;
-    int code = catalog_directory_claim(s, directory, err);
-    TRY(code == SHEAR_OK ? catalog_directory_visit(s, directory, clean_up, NULL, err) : code);
+    TRY(catalog_directory_claim(s, directory, err));
+    TRY(catalog_directory_visit(s, directory, clean_up, NULL, err));
     catalog_directory_renew_mark(directory);
     return SHEAR_OK;
 }

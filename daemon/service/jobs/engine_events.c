@@ -86,6 +86,7 @@ static void end_as_duplicate(service *s, active_job *j) {
 static int set_input(service *s, const active_job *j, int64_t *duplicate_of, shear_error *err) {
     const store_input input = {
         .field = j->field, .content = j->checksum, .n_stamps = j->info.n_stamps};
+    TRY(group_begin(&s->group, err));
     return store_set_input(s->store, j->id, &input, duplicate_of, err);
 }
 
@@ -102,9 +103,7 @@ static void opened(service *s, active_job *j, const engine_event *e) {
         engine_stop_job(s->engine, j->id);
         return;
     }
-    int code = group_begin(&s->group, &err);
-    code = code == SHEAR_OK ? set_input(s, j, &duplicate_of, &err) : code;
-    if (code != SHEAR_OK) {
+    if (set_input(s, j, &duplicate_of, &err) != SHEAR_OK) {
         log_error("job %" PRId64 ": %s", j->id, err.message);
         engine_stop_job(s->engine, j->id);
         return;
@@ -137,13 +136,11 @@ static void checkpoint(service *s, const active_job *j, const engine_event *e) {
 static int finish(service *s, const active_job *j, const store_work *work, shear_error *err) {
     store_finished end;
     int64_t ignored = 0;
-    int code = group_begin(&s->group, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(group_begin(&s->group, err));
     /* The group that stored the job's input may be the one whose commit failed: store it again. */
     if (j->failed_commits != s->group.failed_commits)
-        code = set_input(s, j, &ignored, err);
-    return code == SHEAR_OK ? store_finish(s->store, j->id, work, &end, err) : code;
+        TRY(set_input(s, j, &ignored, err));
+    return store_finish(s->store, j->id, work, &end, err);
 }
 
 static void done(service *s, const active_job *j, const engine_event *e) {

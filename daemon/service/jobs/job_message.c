@@ -10,22 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int phase_of(const engine_progress *at) {
-    switch (at->stage) {
-    case ENGINE_OPENING:
-        return SHEARD_PHASE_OPENING;
-    case ENGINE_HASHING:
-        return SHEARD_PHASE_HASHING;
-    case ENGINE_WAITING_MEMORY:
-        return SHEARD_PHASE_WAITING_MEMORY;
-    case ENGINE_PREPARING:
-        return SHEARD_PHASE_PREPARING;
-    case ENGINE_MEASURING:
-        return SHEARD_PHASE_MEASURING;
-    default:
-        return SHEARD_PHASE_FINISHING;
-    }
-}
+static const enum sheard_job_phase phases[] = {[ENGINE_OPENING] = SHEARD_PHASE_OPENING,
+                                               [ENGINE_HASHING] = SHEARD_PHASE_HASHING,
+                                               [ENGINE_WAITING_MEMORY] =
+                                                   SHEARD_PHASE_WAITING_MEMORY,
+                                               [ENGINE_PREPARING] = SHEARD_PHASE_PREPARING,
+                                               [ENGINE_MEASURING] = SHEARD_PHASE_MEASURING,
+                                               [ENGINE_FINISHING] = SHEARD_PHASE_FINISHING};
 
 static const sheard_msg_progress no_progress = {
     .total = -1, .rate = NAN, .eta_s = NAN, .bytes_done = -1, .bytes_total = -1};
@@ -35,7 +26,7 @@ static bool get_running(service *s, const active_job *j, sheard_msg_progress *p)
     engine_progress at;
     if (j == NULL || !engine_get_progress(s->engine, j->id, &at))
         return false;
-    p->phase = phase_of(&at);
+    p->phase = phases[at.stage];
     if (at.stage == ENGINE_HASHING) {
         p->bytes_done = at.hashed;
         p->bytes_total = at.bytes;

@@ -142,9 +142,8 @@ void job_outcome_fail(service *s, int64_t id, int64_t failures, failure_reason r
                              .advice = error->advice[0] != '\0' ? error->advice : NULL,
                              .retry_at_ms = retry_at(s, &reason, failures, now),
                              .now_ms = now};
-    int code = group_begin(&s->group, &err);
-    code = code == SHEAR_OK ? store_fail(s->store, id, &f, &state, &err) : code;
-    if (code != SHEAR_OK) {
+    if (group_begin(&s->group, &err) != SHEAR_OK ||
+        store_fail(s->store, id, &f, &state, &err) != SHEAR_OK) {
         log_error("job %" PRId64 ": its failure cannot be stored: %s", id, err.message);
         s->jobs->may_have_orphans = true;
         return;

@@ -81,16 +81,16 @@ static int release(service *s, int64_t id, shear_error *err) {
 
 /* After a failure of the store: put jobs back into the queue that are running in the store, but on
  * which nothing works, because their outcome was lost. */
-static void release_orphans(service *s) {
+static int release_orphans(service *s) {
     const store_job_filter running = {.states = 1u << STORE_RUNNING};
     CLEANUP(store_job_page_deinit) store_job_page page = {0};
     shear_error err = {0};
-    int code = store_jobs(s->store, &running, STORE_PAGE_MAX, &page, &err);
-    for (size_t i = 0; code == SHEAR_OK && i < page.n; i++) {
+    TRY(store_jobs(s->store, &running, STORE_PAGE_MAX, &page, &err));
+    for (size_t i = 0; i < page.n; i++) {
         if (active_jobs_find(s->jobs, page.jobs[i].id) == NULL)
-            code = release(s, page.jobs[i].id, &err);
+            TRY(release(s, page.jobs[i].id, &err));
     }
-    s->jobs->may_have_orphans = code != SHEAR_OK;
+    return SHEAR_OK;
 }
 
 /* ---- the queue ---- */
@@ -128,7 +128,7 @@ void job_queue_fill(service *s) {
     if (group_is_failing(&s->group))
         return;
     if (jobs->may_have_orphans && jobs->marked == 0)
-        release_orphans(s);
+        s->jobs->may_have_orphans = release_orphans(s) != SHEAR_OK;
     while (s->life.state != SHEARD_SERVER_STOPPING &&
            jobs->n + jobs->marked < (size_t)s->config.daemon.max_active_jobs && has_next(s) &&
            mark_next(s)) {

@@ -41,9 +41,9 @@ void source_files_deinit(source_files *files);
 typedef struct job_source {
     sheard_msg_source source; /* as stored */
     source_files files;
-    shear_input input;       /* borrows its names from this record */
-    int rpc;                 /* after an error: the protocol's code, for who submits the job ... */
-    failure_reason reason;   /* ... and why the job fails */
+    shear_input input;     /* borrows its names from this record */
+    int rpc;               /* after an error: the protocol's code, for who submits the job ... */
+    failure_reason reason; /* ... and why the job fails */
 } job_source;
 
 /* Open the files for the job's owner, with the groups that the owner had when submitting; files of

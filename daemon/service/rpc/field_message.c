@@ -29,12 +29,9 @@ int field_to_message(service *s, const store_field *f, int64_t since,
     CLEANUP(field_result_deinit) field_result now = {.jobs = 0};
     CLEANUP(release_free) char *report = NULL;
     shear_settings settings;
-    int code = sheard_settings_read(&settings, f->settings, err);
-    code = code == SHEAR_OK ? field_result_now(s, f, &settings, since, &now, err) : code;
-    code =
-        code == SHEAR_OK ? field_report(s, f, &settings, &now.result, counted, &report, err) : code;
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sheard_settings_read(&settings, f->settings, err));
+    TRY(field_result_now(s, f, &settings, since, &now, err));
+    TRY(field_report(s, f, &settings, &now.result, counted, &report, err));
     sheard_msg_contribution *contributions = contributions_of(counted);
     if (contributions == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page");

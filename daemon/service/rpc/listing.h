@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* service/rpc/listing.h: a reply that is made in steps of deferred work (server.h), most often a
- * long list of which each step adds a few items, so that other clients do not wait for all of it. */
+ * long list of which each step adds a few items, so that other clients do not wait for all of it.
+ */
 #pragma once
 
 #include "base/buffer.h"

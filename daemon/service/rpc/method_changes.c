@@ -26,6 +26,13 @@ typedef struct job_reply {
     char active_name[SPOOL_NAME_SIZE]; /* of retry: the job's file; "": none */
 } job_reply;
 
+/* Reply with an error of the store. */
+static void reply_error(service *s, server_handle to, int code, const shear_error *err) {
+    sheard_rpc_error error;
+    rpc_error_from_store(&error, code, err);
+    server_reply_error(s->server, to, &error);
+}
+
 /* Register a copy of *reply, and `run`, for after the commit. */
 static int reply_later(service *s, post_commit_run *run, int64_t job, const job_reply *reply,
                        sheard_rpc_error *error) {
@@ -60,7 +67,7 @@ static void reply_now(post_commit *post, int code, const shear_error *err) {
         err = &own;
     }
     if (code != SHEAR_OK) {
-        methods_reply_error(s, later->to, code, err);
+        reply_error(s, later->to, code, err);
         return;
     }
     file_disposal_end(s, &job);
@@ -77,7 +84,7 @@ static void reply_when_ended(post_commit *post, int code, const shear_error *err
     service *s = post->context;
     const job_reply *later = (const job_reply *)post;
     if (code != SHEAR_OK) {
-        methods_reply_error(s, later->to, code, err);
+        reply_error(s, later->to, code, err);
     } else {
         pending_waits_add_submitted(s, later->to, later->known, post->job);
     }
@@ -88,9 +95,8 @@ static int check_running(const service *s, sheard_rpc_error *error) {
     if (s->life.state == SHEARD_SERVER_RUNNING)
         return SHEARD_RPC_OK;
     return sheard_rpc_fail(
-        error,
-        s->life.state == SHEARD_SERVER_DRAINING ? SHEARD_RPC_DRAINING : SHEARD_RPC_STOPPING, NULL,
-        "the service takes no new jobs");
+        error, s->life.state == SHEARD_SERVER_DRAINING ? SHEARD_RPC_DRAINING : SHEARD_RPC_STOPPING,
+        NULL, "the service takes no new jobs");
 }
 
 int method_submit(service *s, const server_request *r, sheard_rpc_error *error) {

@@ -137,10 +137,10 @@ int method_field(service *s, const server_request *r, sheard_rpc_error *error) {
 enum { FIELDS_A_STEP = 16 };
 
 typedef struct field_list {
-    listing list;            /* first */
-    int64_t since;           /* see fields/estimates.h */
-    pending_request pending; /* for the results */
-    size_t left;             /* of the limit */
+    listing list;                                                       /* first */
+    int64_t since;                                                      /* see fields/estimates.h */
+    pending_request pending;                                            /* for the results */
+    size_t left;                                                        /* of the limit */
     char name[SHEARD_MSG_CURSOR_MAX + 1], digest[STORE_DIGEST_MAX + 1]; /* of the last field; "":
                                                                            none yet */
 } field_list;

@@ -42,7 +42,9 @@ static void forgotten(post_commit *post, int code, const shear_error *err) {
     CLEANUP(release_free) forget_reply *reply = f->reply;
     CLEANUP(buffer_deinit) buffer digests = f->digests;
     if (code != SHEAR_OK) {
-        methods_reply_error(s, reply->to, code, err);
+        sheard_rpc_error error;
+        rpc_error_from_store(&error, code, err);
+        server_reply_error(s->server, reply->to, &error);
         return;
     }
     log_notice("field '%s' is to be forgotten: %" PRId64 " contributions in %" PRId64 " rows",

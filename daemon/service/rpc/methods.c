@@ -2,7 +2,6 @@
 #include "service/rpc/methods.h"
 
 #include "service/core/parts.h"
-#include "service/jobs/rpc_errors.h"
 
 #include <assert.h>
 
@@ -28,10 +27,4 @@ void methods_request(void *context, const server_request *r) {
     sheard_rpc_error error;
     if (handle(s, r, &error) != SHEARD_RPC_OK)
         server_reply_error(s->server, r->handle, &error);
-}
-
-void methods_reply_error(service *s, server_handle to, int code, const shear_error *err) {
-    sheard_rpc_error error;
-    rpc_error_from_store(&error, code, err);
-    server_reply_error(s->server, to, &error);
 }

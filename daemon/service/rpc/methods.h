@@ -11,8 +11,6 @@ typedef struct service service;
 
 /* The server's request handler; `context` is the service. */
 void methods_request(void *context, const server_request *request);
-/* Reply with an error of the store. */
-void methods_reply_error(service *s, server_handle to, int code, const shear_error *err);
 
 /* Reply to the request, now or later, and return SHEARD_RPC_OK; or return the code of *error, which
  * is then the reply. */

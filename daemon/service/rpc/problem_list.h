@@ -9,12 +9,13 @@
 
 enum { PROBLEM_TEXT = 512, PROBLEM_REASONS = 16, PROBLEMS_TOLD = 48 };
 
-/* The present problems, with their texts. */
+/* The present problems, with their texts. One more than PROBLEMS_TOLD can be written, and is not
+ * told. */
 typedef struct problem_list {
-    sheard_msg_problem items[PROBLEMS_TOLD];
-    const char *lines[PROBLEMS_TOLD]; /* messages of items */
+    sheard_msg_problem items[PROBLEMS_TOLD + 1];
+    const char *lines[PROBLEMS_TOLD + 1]; /* messages of items */
     size_t n;
-    char texts[PROBLEMS_TOLD][PROBLEM_TEXT];
+    char texts[PROBLEMS_TOLD + 1][PROBLEM_TEXT];
     sheard_msg_disk disks[DISKS];
     size_t n_disks;
     store_waiting waiting[PROBLEM_REASONS];

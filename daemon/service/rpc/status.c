@@ -95,8 +95,8 @@ static int fill_store(const service *s, sheard_msg_status *out, const char *path
                       shear_error *err) {
     store_counts counts;
     store_totals totals;
-    int code = store_count(s->store, &counts, err);
-    TRY(code == SHEAR_OK ? store_total(s->store, &totals, err) : code);
+    TRY(store_count(s->store, &counts, err));
+    TRY(store_total(s->store, &totals, err));
     out->queue.length = counts.unfinished;
     out->states = (sheard_msg_states){.queued = counts.jobs[STORE_QUEUED],
                                       .running = counts.jobs[STORE_RUNNING],
