@@ -1,12 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Open and close the service, connect its rooms by callbacks, and run what is due once a second. */
+/* Open and close the service, and connect its rooms by callbacks. */
 #include "service/service.h"
 
 #include "base/cleanup.h"
 #include "log/log.h"
+#include "reader/program.h"
+#include "reader/scratch.h"
 #include "service/core/clock.h"
+#include "service/core/directory.h"
+#include "service/core/owner.h"
 #include "service/core/parts.h"
+#include "service/core/processors.h"
 #include "service/core/reload.h"
+#include "service/core/tuning.h"
 #include "service/fields/change_notifier.h"
 #include "service/fields/estimates.h"
 #include "service/fields/field_purge.h"
@@ -15,59 +21,20 @@
 #include "service/jobs/active_jobs.h"
 #include "service/jobs/catalog_directory.h"
 #include "service/jobs/catalogs.h"
-#include "service/jobs/engine_events.h"
-#include "service/jobs/job_message.h"
 #include "service/jobs/job_queue.h"
-#include "service/open_parts.h"
-#include "service/rpc/field_message.h"
+#include "service/loop.h"
+#include "service/rpc/methods.h"
 #include "service/rpc/pending_waits.h"
 #include "service/rpc/probe.h"
 #include "shear/version.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-/* ---- the callbacks of core ---- */
-
-/* Retire a batch of finished jobs that exceed the configured age or number. */
-static void retire_jobs(service *s) {
-    const sheard_config *c = &s->config;
-    shear_error ignored = {0};
-    int64_t retired = 0;
-    if (c->retention.jobs_max_age_ms <= 0 && c->retention.jobs_max_count <= 0)
-        return;
-    const store_retention rule = {
-        .finished_before_ms = c->retention.jobs_max_age_ms > 0
-                                  ? clock_watch_for_ages(&s->clock) - c->retention.jobs_max_age_ms
-                                  : INT64_MIN,
-        .keep = c->retention.jobs_max_count > 0 ? c->retention.jobs_max_count : -1,
-        .batch = 1000};
-    store_retire(s->store, &rule, &retired, &ignored);
-}
-
-static void tick(service *s) {
-    enum { SPOOL_WAKE_S = 5 };
-    shear_error ignored;
-    clock_watch_look(&s->clock);
-    statistics_tick(&s->statistics, engine_get_load(s->engine).stamps_total, s->jobs->ended);
-    job_message_publish_progress(s);
-    problem_notes_tick(&s->notes);
-    pending_waits_tick(s);
-    change_notifier_tick(s);
-    data_roots_tick(&s->roots);
-    field_purge_continue(s);
-    log_flush();
-    if (s->notify.watchdog_ms > 0)
-        notify_watchdog(&s->notify, NULL);
-    /* After a failed commit, commit an empty group to find out whether the disk works again. */
-    if (group_is_failing(&s->group))
-        group_begin(&s->group, &ignored);
-    retire_jobs(s);
-    if (s->spool != NULL && s->statistics.ticks % SPOOL_WAKE_S == 0)
-        spool_wake(s->spool);
-}
+/* ---- calls of rooms into those above them ---- */
 
 static size_t running_jobs(const service *s) {
     return s->jobs->n;
@@ -82,13 +49,6 @@ static int check_reload(service *s, const sheard_config *fresh, shear_error *err
                : SHEAR_OK;
 }
 
-static const core_hooks core_calls = {.tick = tick,
-                                      .engine_events = engine_events_process,
-                                      .running_jobs = running_jobs,
-                                      .stop_jobs = job_queue_stop_all,
-                                      .close = change_notifier_flush,
-                                      .check_reload = check_reload};
-
 static void on_turn_ended(void *context, int code) {
     service *s = context;
     if (code != SHEAR_OK) {
@@ -99,20 +59,93 @@ static void on_turn_ended(void *context, int code) {
     lifecycle_check(s);
 }
 
-/* ---- the callbacks of jobs ---- */
-
-static void on_job_ended(service *s, const store_job *job) {
-    pending_waits_job_ended(s, job->id);
-}
-
 static void on_job_counted(service *s, const store_job *job) {
     change_notifier_note(s, job->field, job->settings_digest);
 }
 
-static const job_hooks job_calls = {.dispose_file = file_disposal_end,
-                                    .ended = on_job_ended,
-                                    .counted = on_job_counted,
+static const service_hooks hooks = {.running_jobs = running_jobs,
+                                    .stop_jobs = job_queue_stop_all,
+                                    .close = change_notifier_flush,
+                                    .check_reload = check_reload,
+                                    .dispose_file = file_disposal_end,
+                                    .job_ended = pending_waits_job_ended,
+                                    .job_counted = on_job_counted,
                                     .other_event = probe_event};
+
+/* ---- the store ---- */
+
+static int check_owner(const service *s, shear_error *err) {
+    const size_t i = (size_t)sheard_setting_find("daemon", "state_dir");
+    return owner_check(s->config.daemon.state_dir, sheard_setting_at(i).initial, "sheard", err);
+}
+
+static int open_store(service *s, shear_error *err) {
+    const store_options options = {.busy_ms = 5000};
+    TRY(check_owner(s, err));
+    TRY(directory_make(s->config.daemon.state_dir, 0750, err));
+    snprintf(s->database, sizeof s->database, "%s/sheard.db", s->config.daemon.state_dir);
+    TRY(store_open(&s->store, s->database, &options, clock_wall_ms(), err));
+    if (store_opened(s->store)->requeued > 0) {
+        log_notice("%lld jobs were interrupted and go on",
+                   (long long)store_opened(s->store)->requeued);
+    }
+    return SHEAR_OK;
+}
+
+/* ---- the engine ---- */
+
+static void wake(void *context) {
+    service *s = context;
+    uv_async_send(&s->events.engine);
+}
+
+static int open_engine(service *s, shear_error *err) {
+    enum { CHECKPOINT_MS = 5000 };
+    const sheard_config *c = &s->config;
+    char program[4200];
+    char copies[4200];
+    const bool chosen = strcmp(c->reader.scratch, "auto") != 0;
+    TRY(reader_find_program(program, sizeof program, err));
+    TRY(scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "", c->daemon.state_dir,
+                     err));
+    reader_limits limits = tuning_reader(c);
+    limits.program = program;
+    limits.scratch = copies;
+    const engine_options options = {.workers = c->daemon.workers > 0 ? (int)c->daemon.workers
+                                                                     : processors_count(),
+                                    .limits = limits,
+                                    .checkpoint_ms = CHECKPOINT_MS,
+                                    .memory_bytes = tuning_memory(c),
+                                    .plans_count = c->plans.max_count,
+                                    .plans_bytes = c->plans.max_bytes,
+                                    .wake = wake,
+                                    .context = s};
+    return engine_new(&s->engine, &options, err);
+}
+
+/* ---- the server ---- */
+
+static bool is_admin(void *context, const access_peer *peer) {
+    const service *s = context;
+    return permissions_is_admin(&s->permissions, peer);
+}
+
+static int open_server(service *s, shear_error *err) {
+    const sheard_config *c = &s->config;
+    int fds[8];
+    tuning_raise_descriptors(c);
+    server_options options = {
+        .path = c->daemon.socket,
+        .mode = c->daemon.socket_mode,
+        .group = c->daemon.socket_group,
+        .fds = fds,
+        .limits = tuning_server(c),
+        .defaults = &c->measure,
+        .handlers = {.request = methods_request, .is_admin = is_admin, .context = s}};
+    TRY(server_activation(fds, 8, &options.n_fds, err));
+    s->activated = s->activated || options.n_fds > 0;
+    return server_open(&s->server, &s->loop, &options, err);
+}
 
 /* ---- opening ---- */
 
@@ -138,8 +171,7 @@ static service *service_new(void) {
     s->purge = &all->purge;
     s->waits = &all->waits;
     s->probe = &all->probe;
-    s->hooks = &core_calls;
-    s->jobs->hooks = &job_calls;
+    s->hooks = &hooks;
     s->notify.fd = -1;
     s->started_wall_ms = clock_wall_ms();
     s->started_steady_ms = clock_steady_ms();
@@ -148,7 +180,7 @@ static service *service_new(void) {
     lifecycle_start(s);
     statistics_start(&s->statistics, &s->loop);
     estimates_init(s->estimates);
-    change_notifier_init(s->notifier, s, field_message_publish);
+    change_notifier_init(s->notifier, s);
     field_purge_init(s->purge);
     pending_waits_init(s->waits);
     return s;
@@ -172,12 +204,11 @@ static int open_state(service *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-typedef int opener(service *s, shear_error *err);
-
 /* A service that was killed while starting a reader may leave a child that holds its socket and
  * locks until it executes the reader. That takes a moment, and a restart may come sooner: try again
  * for PATIENCE_MS. */
-static int open_when_left(service *s, opener *open_it, int taken, shear_error *err) {
+static int open_when_left(service *s, int (*open_it)(service *s, shear_error *err), int taken,
+                          shear_error *err) {
     enum { PATIENCE_MS = 2000, STEP_MS = 50 };
     const struct timespec step = {.tv_nsec = STEP_MS * 1000000L};
     int code = open_it(s, err);
@@ -188,32 +219,13 @@ static int open_when_left(service *s, opener *open_it, int taken, shear_error *e
     return code;
 }
 
-static int open_server_when_left(service *s, shear_error *err) {
-    return open_when_left(s, open_server, SHEAR_E_EXISTS, err);
-}
-
-static int open_spool_when_left(service *s, shear_error *err) {
-    return open_when_left(s, dropped_files_open, SPOOL_LOCKED, err);
-}
-
-static int notify_open(service *s, shear_error *err) {
-    return notify_init(&s->notify, err);
-}
-
 static int open_all(service *s, shear_error *err) {
-    static opener *const openers[] = {notify_open, open_access,           open_state,
-                                      open_engine, open_server_when_left, open_spool_when_left};
-    for (size_t i = 0; i < sizeof openers / sizeof *openers; i++)
-        TRY(openers[i](s, err));
-    return SHEAR_OK;
-}
-
-static int copy_arguments(service *s, const char *config_path, const sheard_list *assignments,
-                          shear_error *err) {
-    s->config_path = config_path != NULL ? strdup(config_path) : NULL;
-    for (size_t i = 0; i < assignments->n; i++)
-        TRY(sheard_list_append(&s->assignments, assignments->items[i], err));
-    return SHEAR_OK;
+    TRY(notify_init(&s->notify, err));
+    TRY(open_access(s, err));
+    TRY(open_state(s, err));
+    TRY(open_engine(s, err));
+    TRY(open_when_left(s, open_server, SHEAR_E_EXISTS, err));
+    return open_when_left(s, dropped_files_open, SPOOL_LOCKED, err);
 }
 
 int service_open(service **out, sheard_config *config, const char *config_path,
@@ -226,8 +238,9 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     }
     s->config = *config;
     user_names_write(geteuid(), s->user, sizeof s->user);
-    int code = copy_arguments(s, config_path, assignments, err);
-    code = code == SHEAR_OK ? open_all(s, err) : code;
+    s->config_path = config_path;
+    s->assignments = assignments;
+    const int code = open_all(s, err);
     if (code != SHEAR_OK) {
         service_close(s);
         return code;
@@ -263,8 +276,6 @@ void service_close(service *s) {
     data_roots_deinit(&s->roots);
     notify_deinit(&s->notify);
     uv_loop_close(&s->loop);
-    sheard_list_deinit(&s->assignments);
     sheard_config_deinit(&s->config);
-    free(s->config_path);
     free(s);
 }

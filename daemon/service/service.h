@@ -21,7 +21,8 @@
 typedef struct service service;
 
 /* Open the service. *config is taken over, and deinited by service_close or on error. `assignments`
- * are the command line's, for reloads. *s is NULL on error. */
+ * are the command line's, for reloads; they and the path must outlive the service. *s is NULL on
+ * error. */
 int service_open(service **s, sheard_config *config, const char *config_path,
                  const sheard_list *assignments, shear_error *err);
 /* Serve until a signal (SIGTERM, SIGINT) or a client stops the service. */

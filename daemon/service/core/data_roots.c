@@ -11,32 +11,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { EVERY_S = 5, REASON_SIZE = 160 };
-
-struct data_root {
-    char *path;
-    bool missing;
-    char reason[REASON_SIZE];
-};
+enum { EVERY_S = 5 };
 
 /* Check one root. Called from either thread, on data that the other one does not use. */
-static void look(data_root *r) {
+static void look(root_list *list, size_t i) {
     shear_error err = {0};
+    sheard_msg_root *r = &list->roots[i];
     r->missing = access_root_check(r->path, &err) != SHEAR_OK;
-    text_set(r->reason, sizeof r->reason, r->missing ? err.message : NULL);
+    text_set(list->reasons[i], sizeof list->reasons[i], err.message);
+    r->reason = r->missing ? list->reasons[i] : NULL;
 }
 
 static void list_deinit(root_list *list) {
     for (size_t i = 0; i < list->n; i++)
-        free(list->roots[i].path);
+        free((char *)list->roots[i].path);
     free(list->roots);
+    free(list->reasons);
     *list = (root_list){0};
 }
 
 /* Allocate memory for n roots; list->n counts those that have been added. */
 static bool list_init(root_list *list, size_t n) {
-    *list = (root_list){.roots = calloc(n + 1, sizeof *list->roots)};
-    return list->roots != NULL;
+    *list = (root_list){.roots = calloc(n + 1, sizeof *list->roots),
+                        .reasons = calloc(n + 1, sizeof *list->reasons)};
+    return list->roots != NULL && list->reasons != NULL;
 }
 
 static bool list_add(root_list *list, const char *path) {
@@ -46,7 +44,7 @@ static bool list_add(root_list *list, const char *path) {
     return copy != NULL;
 }
 
-static void warn(const data_root *r) {
+static void warn(const sheard_msg_root *r) {
     log_warning("%s; jobs beneath it wait", r->reason);
 }
 
@@ -57,40 +55,26 @@ void data_roots_init(data_roots *d, uv_loop_t *loop, group *g, const lifecycle *
 void data_roots_deinit(data_roots *d) {
     list_deinit(&d->known);
     list_deinit(&d->looking);
-    free(d->told);
 }
 
 int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err) {
     root_list list = {0};
-    sheard_msg_root *told = calloc(paths->n + 1, sizeof *told);
-    bool good = told != NULL && list_init(&list, paths->n);
+    bool good = list_init(&list, paths->n);
     for (size_t i = 0; good && i < paths->n; i++)
         good = list_add(&list, paths->items[i]);
     if (!good) {
-        free(told);
         list_deinit(&list);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
     }
     list_deinit(&d->known);
-    free(d->told);
     d->known = list;
-    d->told = told;
     d->stale = true;
     for (size_t i = 0; i < list.n; i++) {
-        look(&list.roots[i]);
+        look(&d->known, i);
         if (list.roots[i].missing)
             warn(&list.roots[i]);
     }
     return SHEAR_OK;
-}
-
-const sheard_msg_root *data_roots_get(data_roots *d, size_t *n) {
-    for (size_t i = 0; i < d->known.n; i++) {
-        const data_root *r = &d->known.roots[i];
-        d->told[i] = (sheard_msg_root){r->path, r->missing, r->missing ? r->reason : NULL};
-    }
-    *n = d->known.n;
-    return d->told;
 }
 
 size_t data_roots_missing(const data_roots *d, const char **list, size_t capacity) {
@@ -114,15 +98,17 @@ static void retry_jobs(group *g) {
     }
 }
 
-static void update(data_roots *d, data_root *known, const data_root *found) {
-    const bool came = known->missing && !found->missing;
-    const bool went = !known->missing && found->missing;
-    known->missing = found->missing;
-    memcpy(known->reason, found->reason, sizeof known->reason);
-    if (went) {
-        warn(known);
-    } else if (came) {
-        log_notice("data root %s is there again", known->path);
+/* Take over what was found about a root. */
+static void update(data_roots *d, size_t i) {
+    sheard_msg_root *r = &d->known.roots[i];
+    const bool was_missing = r->missing;
+    r->missing = d->looking.roots[i].missing;
+    r->reason = r->missing ? d->known.reasons[i] : NULL;
+    memcpy(d->known.reasons[i], d->looking.reasons[i], sizeof d->known.reasons[i]);
+    if (r->missing && !was_missing) {
+        warn(r);
+    } else if (was_missing && !r->missing) {
+        log_notice("data root %s is there again", r->path);
         retry_jobs(d->group);
     }
 }
@@ -130,7 +116,7 @@ static void update(data_roots *d, data_root *known, const data_root *found) {
 static void look_at_all(uv_work_t *work) {
     data_roots *d = work->data;
     for (size_t i = 0; i < d->looking.n; i++)
-        look(&d->looking.roots[i]);
+        look(&d->looking, i);
 }
 
 static void looked(uv_work_t *work, int status) {
@@ -138,7 +124,7 @@ static void looked(uv_work_t *work, int status) {
     if (status == 0 && !d->stale && !d->life->closing) {
         assert(d->looking.n == d->known.n);
         for (size_t i = 0; i < d->looking.n; i++)
-            update(d, &d->known.roots[i], &d->looking.roots[i]);
+            update(d, i);
     }
     list_deinit(&d->looking);
 }

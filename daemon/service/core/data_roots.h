@@ -10,11 +10,10 @@
 #include "sheard/config.h"
 #include "sheard/messages.h"
 
-typedef struct data_root data_root;
-
 /* Roots and the results of their last check. */
 typedef struct root_list {
-    data_root *roots; /* [n], owned */
+    sheard_msg_root *roots; /* [n], owned, like their paths */
+    char (*reasons)[160];   /* [n], owned: texts of those that are missing */
     size_t n;
 } root_list;
 
@@ -24,7 +23,6 @@ typedef struct data_roots {
     const lifecycle *life;
     int64_t ticks;
     root_list known;
-    sheard_msg_root *told; /* [known.n], what data_roots_get returns */
     uv_work_t work;
     root_list looking; /* copy for the pool's thread; n > 0: a check is under way */
     bool stale;        /* the configuration has changed since that check began */
@@ -35,8 +33,7 @@ void data_roots_deinit(data_roots *d);
 /* Replace the roots by those of the configuration, check them, and log a warning for each missing
  * one. Waits for the file systems. SHEAR_E_NOMEM: nothing has changed. */
 int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err);
-void data_roots_tick(data_roots *d);                             /* once a second */
-const sheard_msg_root *data_roots_get(data_roots *d, size_t *n); /* valid until the next call */
+void data_roots_tick(data_roots *d); /* once a second */
 /* Write a message for each missing root into list[capacity], and return how many there are. The
  * texts are borrowed. */
 size_t data_roots_missing(const data_roots *d, const char **list, size_t capacity);

@@ -41,33 +41,24 @@ bool group_is_idle(const group *g) {
     return g->first == NULL && !g->open;
 }
 
-static void note_failure(group *g, int code, const shear_error *err) {
-    g->failing = true;
-    g->failed_commits++;
-    problem_note_add(g->notes, "store", store_code_name(code), INT64_MAX, err->message);
-    log_error("the store cannot commit: %s", err->message);
-}
-
-static void note_success(group *g) {
-    g->commits++;
-    if (g->failing) {
-        problem_note_end(g->notes, "store");
-        /* Files that could not be stored are reported again now. */
-        problem_note_end(g->notes, "spool");
-    }
-    g->failing = false;
-}
-
 static int commit(group *g, shear_error *err) {
     const int code = store_commit(g->store, err);
     g->open = false;
     uv_idle_stop(&g->commit_now);
-    if (code != SHEAR_OK) {
-        note_failure(g, code, err);
-    } else {
-        note_success(g);
+    const bool again = g->failing && code == SHEAR_OK;
+    g->failing = code != SHEAR_OK;
+    if (g->failing) {
+        g->failed_commits++;
+        problem_note_add(g->notes, "store", store_code_name(code), INT64_MAX, err->message);
+        log_error("the store cannot commit: %s", err->message);
+        return code;
     }
-    return code;
+    g->commits++;
+    if (again) {
+        problem_note_end(g->notes, "store");
+        problem_note_end(g->notes, "spool"); /* files not stored are reported again now */
+    }
+    return SHEAR_OK;
 }
 
 static void on_turn_end(uv_check_t *check) {

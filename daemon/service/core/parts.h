@@ -13,7 +13,6 @@
 #include "service/core/data_roots.h"
 #include "service/core/group.h"
 #include "service/core/lifecycle.h"
-#include "service/core/loop.h"
 #include "service/core/permissions.h"
 #include "service/core/problem_notes.h"
 #include "service/core/statistics.h"
@@ -21,33 +20,50 @@
 #include "spool/spool.h"
 #include "store/store.h"
 
-/* Calls from core into the rooms above it; set once, before the loop runs. */
-typedef struct core_hooks {
-    void (*tick)(service *s);          /* once a second */
-    void (*engine_events)(service *s); /* the engine has events */
+/* Calls of rooms into those above them; set once, before the loop runs. */
+typedef struct service_hooks {
     size_t (*running_jobs)(const service *s);
     void (*stop_jobs)(service *s); /* stop and requeue the running jobs */
     void (*close)(service *s);     /* before the server closes: publish what is pending */
     /* Return SHEAR_OK if `fresh` may replace the present configuration. */
     int (*check_reload)(service *s, const sheard_config *fresh, shear_error *err);
-} core_hooks;
+    /* Those of jobs are called when the change is on disk. Move the file of a final job, if it has
+     * one, to done/ or failed/, and store its place in *job. */
+    void (*dispose_file)(service *s, store_job *job);
+    /* The job is final and its file has been moved: answer the clients that wait for it. */
+    void (*job_ended)(service *s, const store_job *job);
+    /* The job now counts in its field. */
+    void (*job_counted)(service *s, const store_job *job);
+    /* The engine has an event of a job that is not in the store. */
+    void (*other_event)(service *s, const engine_event *e);
+} service_hooks;
+
+enum { LOOP_SIGNALS = 3 };
+
+/* Events of the loop (service/loop.h). */
+typedef struct loop_events {
+    uv_async_t engine; /* uv_async_send may be called from any thread */
+    uv_signal_t signals[LOOP_SIGNALS];
+    uv_timer_t tick;
+} loop_events;
 
 struct service {
     uv_loop_t loop;
     sheard_config config;
-    char *config_path;       /* NULL: the default one */
-    sheard_list assignments; /* from the command line, for reloads */
-    char user[64];           /* name of the user that this process runs as */
-    bool activated;          /* systemd owns the socket: the next client starts the service again */
+    const char *config_path;        /* NULL: the default one */
+    const sheard_list *assignments; /* from the command line, for reloads */
+    char user[64];                  /* name of the user that this process runs as */
+    bool activated; /* systemd owns the socket: the next client starts the service again */
     int64_t started_wall_ms, started_steady_ms;
 
     notify notify;
     store *store;
+    char database[4200]; /* path of the store */
     engine *engine;
     server *server; /* NULL: closed */
     spool *spool;   /* NULL: there is no watch folder */
 
-    const core_hooks *hooks;
+    const service_hooks *hooks;
     loop_events events;
     lifecycle life;
     group group;

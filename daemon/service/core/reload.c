@@ -3,7 +3,6 @@
 
 #include "base/cleanup.h"
 #include "log/log.h"
-#include "service/core/descriptors.h"
 #include "service/core/parts.h"
 #include "service/core/tuning.h"
 
@@ -55,7 +54,7 @@ void reload_reply_deinit(sheard_msg_reloaded *reply) {
 /* Pass the new settings to the rooms that keep copies of them. */
 static void apply(service *s) {
     const sheard_config *c = &s->config;
-    descriptors_raise(c);
+    tuning_raise_descriptors(c);
     const server_limits limits = tuning_server(c);
     server_set_limits(s->server, &limits);
     server_set_defaults(s->server, &c->measure);
@@ -78,11 +77,8 @@ static int replace_config(service *s, sheard_config *fresh, sheard_msg_reloaded 
     size_t restart[MOST];
     const size_t n_changed = sheard_config_changes(&s->config, fresh, false, changed, MOST);
     const size_t n_restart = sheard_config_changes(&s->config, fresh, true, restart, MOST);
-    const int code = sheard_config_reload(&s->config, fresh, &problems);
-    if (code != SHEAR_OK) {
-        sheard_problems_error(&problems, err);
-        return code;
-    }
+    if (sheard_config_reload(&s->config, fresh, &problems) != SHEAR_OK)
+        return sheard_problems_error(&problems, err);
     reply->n_changed = n_changed < MOST ? n_changed : MOST;
     reply->n_restart = n_restart < MOST ? n_restart : MOST;
     reply->changed = names_of(changed, reply->n_changed);
@@ -106,12 +102,9 @@ static int replace_all(service *s, sheard_config *fresh, sheard_msg_reloaded *re
 static int read_and_replace(service *s, sheard_msg_reloaded *reply, shear_error *err) {
     sheard_config fresh;
     problems = (sheard_problems){0};
-    int code = sheard_config_read(&fresh, s->config_path, &s->assignments, &problems);
-    if (code != SHEAR_OK) {
-        sheard_problems_error(&problems, err);
-        return code;
-    }
-    code = replace_all(s, &fresh, reply, err);
+    if (sheard_config_read(&fresh, s->config_path, s->assignments, &problems) != SHEAR_OK)
+        return sheard_problems_error(&problems, err);
+    const int code = replace_all(s, &fresh, reply, err);
     sheard_config_deinit(&fresh);
     return code;
 }

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "service/core/parts.h"
 #include "service/fields/estimates.h"
+#include "service/fields/field_message.h"
 
 enum { SLICE_NS = 2000000, PAUSE_MS = 5 };
 
@@ -17,8 +18,7 @@ struct changed_field {
     int64_t round;     /* the last round in which it was tried */
 };
 
-void change_notifier_init(change_notifier *n, service *s, change_publish *publish) {
-    n->publish = publish;
+void change_notifier_init(change_notifier *n, service *s) {
     uv_timer_init(&s->loop, &n->soon);
     n->soon.data = s;
 }
@@ -68,7 +68,7 @@ static bool publish(service *s, changed_field *f) {
         return false;
     store_field gone = {.name = f->name, .settings_digest = f->digest};
     const size_t others = row != NULL ? page.n - 1 : page.n;
-    s->notifier->publish(s, row != NULL ? row : &gone, others > 0, f->since);
+    field_message_publish(s, row != NULL ? row : &gone, others > 0, f->since);
     return true;
 }
 

@@ -10,18 +10,13 @@
 typedef struct service service;
 typedef struct changed_field changed_field;
 
-/* Publish a field to subscribers. `mixed`: the field also has results by other settings; `since`:
- * see fields/estimates.h. A field without contributions is gone. */
-typedef void change_publish(service *s, const store_field *f, bool mixed, int64_t since);
-
 typedef struct change_notifier {
     changed_field *first;
-    change_publish *publish;
     uv_timer_t soon; /* publishes the rest of a round */
     int64_t round;
 } change_notifier;
 
-void change_notifier_init(change_notifier *n, service *s, change_publish *publish);
+void change_notifier_init(change_notifier *n, service *s);
 void change_notifier_deinit(change_notifier *n);
 /* Note that a field has changed. `name` NULL: it is not known yet, and nothing is done. */
 void change_notifier_note(service *s, const char *name, const char *digest);

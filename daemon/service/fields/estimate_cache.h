@@ -10,6 +10,13 @@
 
 enum estimate_state { ESTIMATE_IDLE, ESTIMATE_QUEUED, ESTIMATE_SOLVING };
 
+typedef struct solution {
+    int64_t jobs;   /* jobs counted when it was loaded. Contributions are only added ... */
+    int64_t losses; /* ... except by one of these losses, of which there were so many */
+    int code;       /* not SHEAR_OK: why there is no result */
+    shear_result result;
+} solution;
+
 /* The result of a field with its settings. */
 typedef struct estimate {
     char *name, *digest;
@@ -20,12 +27,8 @@ typedef struct estimate {
     enum shear_estimator estimator;
     size_t pending;   /* requests that wait for it */
     bool for_notices; /* the change notifier waits for it, too */
-    /* Number of the solving that made what follows, from 1; 0: there was none. */
-    int64_t number;
-    int64_t jobs;   /* jobs counted when it was loaded. Contributions are only added ... */
-    int64_t losses; /* ... except by one of these losses, of which there were so many */
-    int code;       /* not SHEAR_OK: why there is no result */
-    shear_result result;
+    int64_t number;   /* of the solving that made the solution, from 1; 0: there was none */
+    solution solution;
 } estimate;
 
 typedef TAILQ_HEAD(estimate_list, estimate) estimate_list;

@@ -31,7 +31,8 @@ static int64_t losses(const service *s) {
 static bool is_good(const service *s, const estimate *e, const store_field *f, int64_t since) {
     if (e->number > since)
         return true;
-    return e->number > 0 && e->code == SHEAR_OK && e->jobs == f->jobs && e->losses == losses(s);
+    return e->number > 0 && e->solution.code == SHEAR_OK && e->solution.jobs == f->jobs &&
+           e->solution.losses == losses(s);
 }
 
 /* Remove the oldest cache entries that no pending request needs. */
@@ -50,8 +51,9 @@ static void shrink(estimates *all) {
 static void solve(uv_work_t *work) {
     solving *t = work->data;
     shear_error ignored;
-    if (t->code == SHEAR_OK)
-        t->code = shear_estimate(t->estimator, t->sums, t->terms, &t->result, &ignored);
+    if (t->found.code == SHEAR_OK) {
+        t->found.code = shear_estimate(t->estimator, t->sums, t->terms, &t->found.result, &ignored);
+    }
 }
 
 /* Load what the store has of the field now. */
@@ -62,7 +64,7 @@ static int load(service *s, solving *t, shear_error *err) {
     const store_field *f = store_field_page_find(&page, e->digest);
     if (f == NULL)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "field '%s' is gone", e->name);
-    t->jobs = f->jobs;
+    t->found.jobs = f->jobs;
     TRY(shear_field_sums_parse(&t->sums, f->sums, err));
     TRY(shear_symmetry_new(&t->terms, err));
     return store_field_terms(s->store, e->name, e->digest, t->terms, err);
@@ -97,10 +99,7 @@ static void solved(uv_work_t *work, int status) {
     e->pending = 0;
     e->for_notices = false;
     e->number = s->estimates->begun; /* solvings run one at a time */
-    e->jobs = t->jobs;
-    e->losses = t->losses;
-    e->code = t->code;
-    e->result = t->result;
+    e->solution = t->found;
     shear_field_sums_free(t->sums);
     shear_symmetry_free(t->terms);
     t->what = NULL;
@@ -121,10 +120,10 @@ static void solve_next(service *s) {
     TAILQ_REMOVE(&all->queue, e, queue);
     e->state = ESTIMATE_SOLVING;
     all->begun++;
-    *t = (solving){.s = s, .what = e, .estimator = e->estimator, .losses = losses(s)};
+    *t = (solving){.s = s, .what = e, .estimator = e->estimator, .found.losses = losses(s)};
     t->work.data = t;
-    t->code = load(s, t, &err);
-    if (t->code != SHEAR_OK)
+    t->found.code = load(s, t, &err);
+    if (t->found.code != SHEAR_OK)
         log_warning("field '%s' cannot be solved: %s", e->name, err.message);
     uv_queue_work(&s->loop, &t->work, solve, solved);
 }
@@ -197,20 +196,20 @@ static bool wait_for(service *s, pending_request *r, const store_field *f, int64
     return true;
 }
 
-enum estimates_answer estimates_request(service *s, pending_request *r,
-                                        const store_field_page *page, const char *digest,
-                                        int64_t since) {
-    if (!note_pending(s->estimates, r, page->n))
-        return ESTIMATES_NO_MEMORY;
-    for (size_t i = 0; i < page->n; i++) {
+int estimates_request(service *s, pending_request *r, const store_field_page *page,
+                      const char *digest, int64_t since, sheard_rpc_error *error) {
+    bool good = note_pending(s->estimates, r, page->n);
+    for (size_t i = 0; good && i < page->n; i++) {
         const store_field *f = &page->fields[i];
-        if ((digest == NULL || strcmp(digest, f->settings_digest) == 0) &&
-            !wait_for(s, r, f, since)) {
-            return ESTIMATES_NO_MEMORY;
-        }
+        if (digest == NULL || strcmp(digest, f->settings_digest) == 0)
+            good = wait_for(s, r, f, since);
+    }
+    if (!good) {
+        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
+                               "out of memory for solving a field");
     }
     solve_next(s);
-    return r->left == 0 ? ESTIMATES_READY : ESTIMATES_PENDING;
+    return r->left == 0 ? SHEARD_RPC_OK : ESTIMATES_PENDING;
 }
 
 int estimates_get(service *s, const store_field *f, const shear_field_sums *sums, int64_t since,
@@ -224,11 +223,12 @@ int estimates_get(service *s, const store_field *f, const shear_field_sums *sums
         out->g1 = out->g2 = out->g1_err = out->g2_err = out->cov12 = NAN;
         return SHEAR_OK;
     }
-    *jobs = e->jobs;
-    *out = e->result;
-    return e->code == SHEAR_OK ? SHEAR_OK
-                               : shear_fail(err, e->code, "ask again; the log says why",
-                                            "field '%s' could not be solved", f->name);
+    *jobs = e->solution.jobs;
+    *out = e->solution.result;
+    return e->solution.code == SHEAR_OK
+               ? SHEAR_OK
+               : shear_fail(err, e->solution.code, "ask again; the log says why",
+                            "field '%s' could not be solved", f->name);
 }
 
 /* One request less waits for this result: remove it from the queue if it was the last. */

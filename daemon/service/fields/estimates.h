@@ -34,9 +34,7 @@ typedef struct solving {
     enum shear_estimator estimator;
     shear_field_sums *sums;
     shear_symmetry *terms;
-    int code;
-    shear_result result;
-    int64_t jobs, losses;
+    solution found;
 } solving;
 
 typedef struct estimates {
@@ -53,13 +51,13 @@ void estimates_deinit(estimates *all);
 
 int64_t estimates_begun(const service *s);
 
-enum estimates_answer { ESTIMATES_READY, ESTIMATES_PENDING, ESTIMATES_NO_MEMORY };
-/* Return READY if the results of these fields are available (`digest` NULL: of all of them; else of
- * those with this digest), or PENDING: pause the request's work, which is woken when they are
- * solved and then calls this again. The results are kept for the request until estimates_forget. */
-enum estimates_answer estimates_request(service *s, pending_request *r,
-                                        const store_field_page *page, const char *digest,
-                                        int64_t since);
+enum { ESTIMATES_PENDING = -1 };
+/* Return SHEARD_RPC_OK if the results of these fields are available (`digest` NULL: of all of them;
+ * else of those with this digest), or ESTIMATES_PENDING: pause the request's work, which is woken
+ * when they are solved and then calls this again; or the code of *error (out of memory). The
+ * results are kept for the request until estimates_forget. */
+int estimates_request(service *s, pending_request *r, const store_field_page *page,
+                      const char *digest, int64_t since, sheard_rpc_error *error);
 /* Forget the request, and drop what is queued for it alone. */
 void estimates_forget(service *s, pending_request *r);
 /* Return true if the result of this field is available. Otherwise it is queued, and the change

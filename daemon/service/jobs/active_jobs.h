@@ -23,24 +23,9 @@ typedef struct active_job {
     bool ended;             /* its outcome is in the store: ignore the engine's last event */
 } active_job;
 
-/* Calls from jobs into the rooms above; set once, at the start. Called when the change is on
- * disk. */
-typedef struct job_hooks {
-    /* Move the file of a final job, if it has one, to done/ or failed/, and store its place in
-     * *job. */
-    void (*dispose_file)(service *s, store_job *job);
-    /* The job is final and its file has been moved: answer the clients that wait for it. */
-    void (*ended)(service *s, const store_job *job);
-    /* The job now counts in its field. */
-    void (*counted)(service *s, const store_job *job);
-    /* The engine has an event of a job that is not in the store. */
-    void (*other_event)(service *s, const engine_event *e);
-} job_hooks;
-
 typedef struct active_jobs {
     active_job *first;
     size_t n;
-    const job_hooks *hooks;
     int64_t ended;         /* since the start */
     size_t marked;         /* marked running in the store, not on disk yet and so not started */
     bool may_have_orphans; /* jobs may be running in the store on which nothing works */

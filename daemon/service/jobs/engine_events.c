@@ -9,10 +9,13 @@
 #include "service/jobs/catalogs.h"
 #include "service/jobs/job_message.h"
 #include "service/jobs/job_outcome.h"
-#include "service/jobs/job_texts.h"
+#include "sheard/account.h"
+#include "sheard/advice.h"
 
 #include <inttypes.h>
 #include <string.h>
+
+CLEANUP_DEFINE(shear_symmetry, shear_symmetry_free)
 
 /* ---- OPENED: the file's name, content and size are known ---- */
 
@@ -40,18 +43,16 @@ static int name_field(active_job *j, const engine_event *e, shear_error *err) {
 /* Return the terms that belong to the job's checkpoint, or NULL: the estimator needs none, or they
  * cannot be read; in that case the job begins again. */
 static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
-    shear_symmetry *terms = NULL;
+    CLEANUP(shear_symmetry_release) shear_symmetry *terms = NULL;
     shear_error err = {0};
     if (!shear_estimator_is_symmetric(j->settings.estimator))
         return NULL;
-    int code = shear_symmetry_new(&terms, &err);
-    code = code == SHEAR_OK ? store_checkpoint_load_terms(s->store, j->id, terms, &err) : code;
-    if (code != SHEAR_OK) {
+    if (shear_symmetry_new(&terms, &err) != SHEAR_OK ||
+        store_checkpoint_load_terms(s->store, j->id, terms, &err) != SHEAR_OK) {
         log_warning("job %" PRId64 " begins again: %s", j->id, err.message);
-        shear_symmetry_free(terms);
         return NULL;
     }
-    return terms;
+    return CLEANUP_TAKE(terms);
 }
 
 /* Start measuring, from the job's checkpoint if there is one. */
@@ -64,11 +65,10 @@ static void measure(service *s, const active_job *j) {
         engine_go(s->engine, j->id, NULL);
         return;
     }
-    shear_symmetry *terms = checkpoint_terms(s, j);
+    CLEANUP(shear_symmetry_release) shear_symmetry *terms = checkpoint_terms(s, j);
     checkpoint.sums = sums;
     checkpoint.terms = terms;
     engine_go(s->engine, j->id, &checkpoint);
-    shear_symmetry_free(terms);
 }
 
 /* End a job whose file is a duplicate of one that was counted before. */
@@ -143,17 +143,61 @@ static int finish(service *s, const active_job *j, const store_work *work, shear
     return store_finish(s->store, j->id, work, &end, err);
 }
 
+/* Make the account of the job's file, stored with the contribution. NULL: out of memory, or longer
+ * than STORE_ACCOUNT_MAX; the field's report then knows less of this file. */
+static char *account_text(const sheard_report_file *file) {
+    char *text = NULL;
+    shear_error ignored;
+    if (sheard_account_format(&text, file, &ignored) == SHEAR_OK &&
+        strlen(text) > STORE_ACCOUNT_MAX) {
+        free(text);
+        text = NULL;
+    }
+    return text;
+}
+
+/* Make the report of the job's file alone. NULL: out of memory. */
+static char *result_text(const active_job *j, const engine_event *e,
+                         const sheard_report_file *file) {
+    char *text = NULL;
+    shear_error ignored;
+    sheard_advice_list advice;
+    sheard_advice_all(&advice, &e->result, &j->plan, NULL);
+    const sheard_report report = {.field = j->field,
+                                  .result = &e->result,
+                                  .settings = &j->settings,
+                                  .plan = &j->plan,
+                                  .files = file,
+                                  .n_files = 1,
+                                  .top_file = e->result.top_stamp >= 0 ? file->path : NULL,
+                                  .has_truth = j->info.has_truth,
+                                  .true_g1 = j->info.sim_g1,
+                                  .true_g2 = j->info.sim_g2,
+                                  .warnings = advice.lines,
+                                  .n_warnings = advice.n,
+                                  .seconds = e->seconds};
+    sheard_report_json(&text, &report, &ignored);
+    return text;
+}
+
 static void done(service *s, const active_job *j, const engine_event *e) {
-    CLEANUP(job_texts_deinit) job_texts texts = {0};
+    const sheard_report_file file = {.path = j->path,
+                                     .checksum = j->checksum,
+                                     .field = j->info.name,
+                                     .n_stamps = e->result.n_stamps,
+                                     .n_used = e->result.n_used,
+                                     .plan = &j->plan,
+                                     .seconds = e->seconds};
+    CLEANUP(release_free) char *result = result_text(j, e, &file);
+    CLEANUP(release_free) char *account = account_text(&file);
     CLEANUP(release_free) char *catalog = catalog_path(s, j->id);
     shear_error err = {0};
-    job_texts_init(&texts, j, e);
     const store_work work = {.sums = e->sums,
-                             .result = texts.result,
+                             .result = result,
                              .catalog = catalog,
                              .elapsed_us = (int64_t)(1e6 * e->seconds),
                              .now_ms = clock_wall_ms(),
-                             .account = texts.account,
+                             .account = account,
                              .has_truth = j->info.has_truth,
                              .true_g1 = j->info.sim_g1,
                              .true_g2 = j->info.sim_g2,
@@ -183,7 +227,7 @@ static void stopped(service *s, const active_job *j) {
 static void process(service *s, const engine_event *e) {
     active_job *j = active_jobs_find(s->jobs, e->job);
     if (j == NULL) {
-        s->jobs->hooks->other_event(s, e);
+        s->hooks->other_event(s, e);
         return;
     }
     switch (e->kind) {

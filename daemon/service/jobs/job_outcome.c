@@ -17,7 +17,7 @@
 
 void job_outcome_tell(service *s, const store_job *job) {
     catalog_forget(s, job);
-    s->jobs->hooks->ended(s, job);
+    s->hooks->job_ended(s, job);
     server_end_job(s->server, job->id);
 }
 
@@ -40,7 +40,7 @@ static void tell_final(service *s, const store_job *job) {
     s->jobs->ended++;
     job_outcome_tell(s, job);
     if (job->outcome == STORE_COUNTED)
-        s->jobs->hooks->counted(s, job);
+        s->hooks->job_counted(s, job);
     log_info("job %" PRId64 " (%s): %s%s%s", job->id,
              job->field != NULL ? job->field : "field unknown", store_state_name(job->state),
              failed ? ": " : "", failed && job->message != NULL ? job->message : "");
@@ -62,7 +62,7 @@ static void settled(post_commit *post, int code, const shear_error *err) {
                   failure.message);
         return;
     }
-    s->jobs->hooks->dispose_file(s, &job);
+    s->hooks->dispose_file(s, &job);
     job_message_publish(s, &job);
     if (job.state == STORE_WAITING)
         note_waiting(s, &job);

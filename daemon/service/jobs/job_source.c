@@ -37,18 +37,16 @@ int source_files_open(const service *s, const access_peer *peer, const sheard_ms
     *files = (source_files)SOURCE_FILES_NONE;
     *part = -1;
     if (source->path != NULL) {
-        const int code = open_file(s, peer, source->path, files, 0, err);
+        TRY(open_file(s, peer, source->path, files, 0, err));
         files->named.path = files->paths[0];
-        return code;
+        return SHEAR_OK;
     }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         *part = i;
         if (wanted[i]->path == NULL)
             continue;
-        const int code = open_file(s, peer, wanted[i]->path, files, i, err);
+        TRY(open_file(s, peer, wanted[i]->path, files, i, err));
         *named[i] = (sheard_msg_image){files->paths[i], wanted[i]->hdu, wanted[i]->extname};
-        if (code != SHEAR_OK)
-            return code;
     }
     return SHEAR_OK;
 }

@@ -4,9 +4,9 @@
 #include "base/text.h"
 #include "service/core/parts.h"
 #include "service/fields/estimates.h"
+#include "service/fields/field_message.h"
 #include "service/fields/field_result.h"
 #include "service/jobs/rpc_errors.h"
-#include "service/rpc/field_message.h"
 #include "service/rpc/listing.h"
 #include "service/rpc/methods.h"
 
@@ -33,15 +33,8 @@ typedef struct field_rows {
 static int have_estimates(const listing *l, pending_request *pending, const store_field_page *page,
                           const char *digest, int64_t since, sheard_rpc_error *error) {
     pending->to = l->to;
-    switch (estimates_request(l->s, pending, page, digest, since)) {
-    case ESTIMATES_READY:
-        return SHEARD_RPC_OK;
-    case ESTIMATES_PENDING:
-        return LISTING_PAUSE;
-    default:
-        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
-                               "out of memory for solving a field");
-    }
+    const int code = estimates_request(l->s, pending, page, digest, since, error);
+    return code == ESTIMATES_PENDING ? LISTING_PAUSE : code;
 }
 
 static int load_rows(service *s, const char *field, store_field_page *page, shear_error *err) {

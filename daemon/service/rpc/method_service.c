@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* status, metrics, reload, drain, shutdown: methods that concern the service as a whole. */
+/* status, reload, drain, shutdown: methods that concern the service as a whole. */
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/core/reload.h"
 #include "service/jobs/rpc_errors.h"
 #include "service/rpc/methods.h"
-#include "service/rpc/metrics.h"
 #include "service/rpc/status.h"
 
 int method_status(service *s, const server_request *r, sheard_rpc_error *error) {
@@ -13,28 +12,6 @@ int method_status(service *s, const server_request *r, sheard_rpc_error *error) 
     shear_error err = {0};
     TRY(rpc_error_from_store(error, status_init(&st, s, &err), &err));
     const sheard_reply reply = {.status = st.message};
-    server_reply(s->server, r->handle, &reply);
-    return SHEARD_RPC_OK;
-}
-
-int method_metrics(service *s, const server_request *r, sheard_rpc_error *error) {
-    CLEANUP(status_deinit) status st = {.problems = NULL};
-    CLEANUP(release_free) char *text = NULL;
-    server_statistics net;
-    shear_error err = {0};
-    size_t size = 0;
-    TRY(rpc_error_from_store(error, status_init(&st, s, &err), &err));
-    FILE *out = open_memstream(&text, &size);
-    if (out != NULL) {
-        server_get_statistics(s->server, &net);
-        metrics_write(out, &st, &net);
-    }
-    if (out == NULL || fclose(out) != 0) {
-        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
-                               "out of memory for the metrics");
-    }
-    const sheard_reply reply = {
-        .metrics = {.content_type = "text/plain; version=0.0.4; charset=utf-8", .text = text}};
     server_reply(s->server, r->handle, &reply);
     return SHEARD_RPC_OK;
 }

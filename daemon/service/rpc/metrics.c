@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/rpc/metrics.h"
+/* The method metrics: write the status as Prometheus text. */
+#include "base/cleanup.h"
+#include "service/core/parts.h"
+#include "service/jobs/rpc_errors.h"
+#include "service/rpc/methods.h"
+#include "service/rpc/status.h"
 
 #include <inttypes.h>
 
@@ -121,8 +126,27 @@ static void write_problems(FILE *out, const problem_list *list) {
     }
 }
 
-void metrics_write(FILE *out, const status *st, const server_statistics *net) {
+static void write_all(FILE *out, const status *st) {
     write_states(out, &st->message);
-    write_numbers(out, &st->message, net);
+    write_numbers(out, &st->message, &st->net);
     write_problems(out, st->problems);
+}
+
+int method_metrics(service *s, const server_request *r, sheard_rpc_error *error) {
+    CLEANUP(status_deinit) status st = {.problems = NULL};
+    CLEANUP(release_free) char *text = NULL;
+    shear_error err = {0};
+    size_t size = 0;
+    TRY(rpc_error_from_store(error, status_init(&st, s, &err), &err));
+    FILE *out = open_memstream(&text, &size);
+    if (out != NULL)
+        write_all(out, &st);
+    if (out == NULL || fclose(out) != 0) {
+        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
+                               "out of memory for the metrics");
+    }
+    const sheard_reply reply = {
+        .metrics = {.content_type = "text/plain; version=0.0.4; charset=utf-8", .text = text}};
+    server_reply(s->server, r->handle, &reply);
+    return SHEARD_RPC_OK;
 }

@@ -194,10 +194,10 @@ static bool waits_for(const pending_wait *w, int64_t id) {
 
 /* Wake the waits whose last job has ended. They read the states again, since a job that had failed
  * may have been retried. */
-void pending_waits_job_ended(service *s, int64_t id) {
+void pending_waits_job_ended(service *s, const store_job *job) {
     pending_wait *w;
     TAILQ_FOREACH(w, &s->waits->first, link) {
-        if (!waits_for(w, id))
+        if (!waits_for(w, job->id))
             continue;
         if (w->left > 0)
             w->left--;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "server/server.h"
+#include "store/store.h"
 
 #include <sys/queue.h>
 
@@ -20,5 +21,5 @@ void pending_waits_init(pending_waits *all);
 
 /* Reply to a submit when its job has ended. */
 void pending_waits_add_submitted(service *s, server_handle to, bool known, int64_t id);
-void pending_waits_job_ended(service *s, int64_t id);
+void pending_waits_job_ended(service *s, const store_job *job);
 void pending_waits_tick(service *s); /* once a second: end the waits whose time is over */

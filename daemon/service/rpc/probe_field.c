@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/rpc/probe_field.h"
 
+#include "base/cleanup.h"
 #include "shear/field.h"
 
 #include <errno.h>
@@ -61,15 +62,14 @@ static int write_all(shear_field_writer *w, shear_error *err) {
     double galaxy[SIDE * SIDE];
     double blank[SIDE * SIDE];
     uint64_t seed = 1;
-    int code = SHEAR_OK;
-    for (int i = 0; i < PROBE_STAMPS && code == SHEAR_OK; i++) {
+    for (int i = 0; i < PROBE_STAMPS; i++) {
         draw_galaxy(&seed, galaxy);
         for (int k = 0; k < SIDE * SIDE; k++)
             blank[k] = noise * draw(&seed);
-        code = shear_field_write(w, i, 1, galaxy, blank, NULL, err);
+        TRY(shear_field_write(w, i, 1, galaxy, blank, NULL, err));
     }
     draw_psf(galaxy);
-    return code == SHEAR_OK ? shear_field_write_psf(w, 0, galaxy, err) : code;
+    return shear_field_write_psf(w, 0, galaxy, err);
 }
 
 static int open_path(const char *path, int *fd, shear_error *err) {

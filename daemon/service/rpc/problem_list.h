@@ -4,9 +4,12 @@
  * view. */
 #pragma once
 
-#include "service/rpc/disks.h"
+#include "sheard/messages.h"
 #include "store/store.h"
 
+typedef struct service service;
+
+enum { DISKS = 4 };
 enum { PROBLEM_TEXT = 512, PROBLEM_REASONS = 16, PROBLEMS_TOLD = 48 };
 
 /* The present problems, with their texts. One more than PROBLEMS_TOLD can be written, and is not
@@ -16,7 +19,8 @@ typedef struct problem_list {
     const char *lines[PROBLEMS_TOLD + 1]; /* messages of items */
     size_t n;
     char texts[PROBLEMS_TOLD + 1][PROBLEM_TEXT];
-    sheard_msg_disk disks[DISKS];
+    sheard_msg_disk disks[DISKS]; /* the directories that the service writes to: whether they exist
+                                     and are writable, and how much space is free */
     size_t n_disks;
     store_waiting waiting[PROBLEM_REASONS];
     size_t n_waiting;

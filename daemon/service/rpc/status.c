@@ -4,8 +4,8 @@
 #include "base/cleanup.h"
 #include "log/log.h"
 #include "service/core/clock.h"
-#include "service/core/descriptors.h"
 #include "service/core/parts.h"
+#include "service/core/tuning.h"
 #include "shear/version.h"
 
 #include <stdlib.h>
@@ -21,7 +21,7 @@ sheard_msg_limits status_limits(const service *s) {
                                .list = SHEARD_MSG_LIST_MAX,
                                .jobs_page = SHEARD_MSG_JOBS_PAGE,
                                .fields_page = SHEARD_MSG_FIELDS_PAGE,
-                               .connections = descriptors_connections(c),
+                               .connections = tuning_connections(c),
                                .in_flight = c->limits.requests_in_flight,
                                .idle_s = c->limits.idle_timeout_ms / 1000,
                                .queue = c->limits.queue};
@@ -66,16 +66,16 @@ static void fill_problems(status *st) {
     out->n_disks = list->n_disks;
 }
 
-static void fill_server(const service *s, sheard_msg_status *out) {
-    server_statistics net;
-    server_get_statistics(s->server, &net);
-    out->connections = (int64_t)net.connections;
-    out->subscribers = (int64_t)net.subscribers;
+static void fill_server(const service *s, status *st) {
+    sheard_msg_status *out = &st->message;
+    server_get_statistics(s->server, &st->net);
+    out->connections = (int64_t)st->net.connections;
+    out->subscribers = (int64_t)st->net.subscribers;
     out->loop = (sheard_msg_loop){.longest_ms = 1e-6 * (double)s->statistics.longest_turn_ns,
                                   .longest_minute_ms =
                                       1e-6 * (double)statistics_longest_turn_ns(&s->statistics),
-                                  .unsent_bytes = (int64_t)net.unsent_bytes,
-                                  .dropped = (int64_t)net.dropped};
+                                  .unsent_bytes = (int64_t)st->net.unsent_bytes,
+                                  .dropped = (int64_t)st->net.dropped};
 }
 
 static void fill_engine(const service *s, sheard_msg_status *out) {
@@ -91,8 +91,7 @@ static void fill_engine(const service *s, sheard_msg_status *out) {
         .budget = load.memory_total, .used = load.memory_used, .waiting = load.memory_waiting};
 }
 
-static int fill_store(const service *s, sheard_msg_status *out, const char *path,
-                      shear_error *err) {
+static int fill_store(const service *s, sheard_msg_status *out, shear_error *err) {
     store_counts counts;
     store_totals totals;
     TRY(store_count(s->store, &counts, err));
@@ -113,9 +112,9 @@ static int fill_store(const service *s, sheard_msg_status *out, const char *path
                                       .stamps = totals.n_stamps,
                                       .fields = totals.fields,
                                       .retracted = totals.retracted};
-    out->store = (sheard_msg_store){.path = path,
+    out->store = (sheard_msg_store){.path = s->database,
                                     .schema = store_opened(s->store)->version,
-                                    .bytes = file_size(path),
+                                    .bytes = file_size(s->database),
                                     .free_bytes = free_bytes(s->config.daemon.state_dir),
                                     .commits = s->group.commits};
     return SHEAR_OK;
@@ -147,14 +146,14 @@ int status_init(status *st, service *s, shear_error *err) {
     *st = (status){.problems = problem_list_new(s)};
     if (st->problems == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for what is to be told");
-    snprintf(st->store_path, sizeof st->store_path, "%s/sheard.db", s->config.daemon.state_dir);
     fill_service(s, out);
-    out->roots = data_roots_get(&s->roots, &out->n_roots);
-    fill_server(s, out);
+    out->roots = s->roots.known.roots;
+    out->n_roots = s->roots.known.n;
+    fill_server(s, st);
     fill_engine(s, out);
     fill_problems(st);
     fill_spool(s, st);
-    return fill_store(s, out, st->store_path, err);
+    return fill_store(s, out, err);
 }
 
 void status_deinit(status *st) {

@@ -2,6 +2,7 @@
 /* service/rpc/status.h: the state of the service, as the method status reports it. */
 #pragma once
 
+#include "server/server.h"
 #include "service/rpc/problem_list.h"
 #include "spool/spool.h"
 
@@ -13,7 +14,7 @@ enum { STATUS_LEFT_LYING = 16 }; /* at most so many ignored files are listed */
 typedef struct status {
     sheard_msg_status message;
     problem_list *problems;
-    char store_path[4200];
+    server_statistics net;
     spool_ignored ignored[STATUS_LEFT_LYING];
     sheard_msg_ignored left_lying[STATUS_LEFT_LYING];
 } status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/rpc/field_message.h"
+#include "service/fields/field_message.h"
 
 #include "base/cleanup.h"
 #include "service/core/parts.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/field_message.h: a field as a message of the protocol. `since`: see
+/* service/fields/field_message.h: a field as a message of the protocol. `since`: see
  * fields/estimates.h. */
 #pragma once
 
@@ -18,5 +18,6 @@ int field_to_message(service *s, const store_field *f, int64_t since,
 void field_message_deinit(sheard_msg_field_row *out);
 /* Fill *out; all texts are borrowed. */
 void field_to_summary(service *s, const store_field *f, int64_t since, sheard_msg_summary *out);
-/* The change notifier's callback: publish the field to subscribers. */
+/* Publish the field to subscribers. `mixed`: it also has results by other settings. A field without
+ * contributions is gone. */
 void field_message_publish(service *s, const store_field *f, bool mixed, int64_t since);
