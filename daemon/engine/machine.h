@@ -1,25 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/machine.h: the memory that this process may use, and the limits of control groups
- * (version 2). `membership` is a file with the group's name (/proc/self/cgroup), `root` the
- * directory of all groups (/sys/fs/cgroup). */
+/* engine/machine.h: the memory and the processors that this process may use. */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
-
-enum { MACHINE_PATH_SIZE = 4300 };
 
 /* Return the memory of the machine in bytes, or less if RLIMIT_AS or a control group limits it. */
 int64_t machine_memory(void);
+/* Return the number of processors in this process's affinity mask (CPUAffinity=, taskset), limited
+ * by the quotas of its control groups (CPUQuota=, a container's), rounded up. At least 1. */
+int machine_processors(void);
 
-/* Return the least memory.max or memory.high, in bytes, of a control group and its parents, or
- * INT64_MAX if there is no limit. */
+/* ---- control groups (version 2) ----
+ *
+ * `membership` (/proc/self/cgroup) is a file with the group's name, `root` (/sys/fs/cgroup) the
+ * directory of all groups. */
+
+/* Return the least memory.max or memory.high of the group and its parents, in bytes, or INT64_MAX
+ * if there is no limit. */
 int64_t machine_cgroup_memory(const char *membership, const char *root);
-
-/* Get the group's name. False, with the empty name: there is none. */
-bool machine_group(const char *membership, char group[MACHINE_PATH_SIZE]);
-/* Return the least of the limits of a group and its parents. `limit_of` returns that of a group's
- * directory, or INT64_MAX if it has none. */
-int64_t machine_least_limit(const char *root, const char *group,
-                            int64_t (*limit_of)(const char *directory));
+/* Return the smallest quota of the group and its parents, in processors; 0: no quota. */
+int machine_cgroup_quota(const char *membership, const char *root);

@@ -3,6 +3,7 @@
 #include "service/service.h"
 
 #include "base/cleanup.h"
+#include "engine/machine.h"
 #include "log/log.h"
 #include "reader/program.h"
 #include "reader/scratch.h"
@@ -10,7 +11,6 @@
 #include "service/core/directory.h"
 #include "service/core/owner.h"
 #include "service/core/parts.h"
-#include "service/core/processors.h"
 #include "service/core/reload.h"
 #include "service/core/tuning.h"
 #include "service/fields/change_notifier.h"
@@ -112,7 +112,7 @@ static int open_engine(service *s, shear_error *err) {
     limits.program = program;
     limits.scratch = copies;
     const engine_options options = {.workers = c->daemon.workers > 0 ? (int)c->daemon.workers
-                                                                     : processors_count(),
+                                                                     : machine_processors(),
                                     .limits = limits,
                                     .checkpoint_ms = CHECKPOINT_MS,
                                     .memory_bytes = tuning_memory(c),

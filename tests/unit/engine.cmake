@@ -3,6 +3,7 @@
 shear_add_test(engine_plans SOURCES test_engine_plans.c
   LIBRARIES core_fixtures sheard_engine Threads::Threads LABELS engine)
 shear_add_test(machine SOURCES test_machine.c LIBRARIES core_fixtures sheard_engine LABELS engine)
+shear_add_test(processors SOURCES test_processors.c LIBRARIES core_fixtures sheard_engine LABELS engine)
 # The sandbox itself, around a hostile program. (A sanitizer's runtime calls more than it allows.)
 if(NOT SHEAR_SANITIZE)
   shear_add_test(sandbox SOURCES test_sandbox.c ${PROJECT_SOURCE_DIR}/daemon/reader/sandbox.c

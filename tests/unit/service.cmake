@@ -3,4 +3,3 @@
 shear_add_test(estimate_cache SOURCES test_estimate_cache.c LIBRARIES sheard_service LABELS service)
 shear_add_test(owner SOURCES test_owner.c LIBRARIES sheard_service LABELS service)
 shear_add_test(problem_notes SOURCES test_problem_notes.c LIBRARIES sheard_service LABELS service)
-shear_add_test(processors SOURCES test_processors.c LIBRARIES sheard_service LABELS service)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What control groups and affinity leave of the machine's processors. */
-#include "service/core/processors.h"
+#include "engine/machine.h"
 #include "test.h"
 
 #include <ftw.h>
@@ -43,7 +43,7 @@ static const char *put(const char *name, const char *text) {
 }
 
 static int quota_of(const char *membership) {
-    return processors_quota(put("membership", membership), top);
+    return machine_cgroup_quota(put("membership", membership), top);
 }
 
 static void the_least_quota_on_the_way(void **state) {
@@ -73,7 +73,7 @@ static void what_cannot_be_read_is_no_quota(void **state) {
     assert_int_equal(quota_of("0::/nowhere/at/all\n"), 2);
     assert_int_equal(quota_of("12:cpu:/old\n"), 0);
     assert_int_equal(quota_of(""), 0);
-    assert_int_equal(processors_quota("/nonexistent", top), 0);
+    assert_int_equal(machine_cgroup_quota("/nonexistent", top), 0);
     const char *const bad[] = {"", "x", "-1 100000", "100000 0", "100000", "99999999999999999 1"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         put("cpu.max", bad[i]);
@@ -86,14 +86,14 @@ static void affinity_counts(void **state) {
     cpu_set_t all;
     cpu_set_t one;
     assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
-    assert_in_range(processors_count(), 1, (unsigned long)CPU_COUNT(&all));
+    assert_in_range(machine_processors(), 1, (unsigned long)CPU_COUNT(&all));
     size_t first = 0;
     while (!CPU_ISSET(first, &all))
         first++;
     CPU_ZERO(&one);
     CPU_SET(first, &one);
     assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
-    assert_int_equal(processors_count(), 1);
+    assert_int_equal(machine_processors(), 1);
     assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
 }
 

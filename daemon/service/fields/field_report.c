@@ -108,28 +108,6 @@ static void say(warning_list *w, const shear_result *result, const sheard_accoun
         w->lines[w->n++] = w->others;
 }
 
-static int write_report(const store_field *f, const shear_settings *settings,
-                        const shear_result *result, const sheard_account *first,
-                        const store_truth *truth, const char *top_file,
-                        const sheard_report_file *files, size_t n, char **text, shear_error *err) {
-    warning_list said;
-    say(&said, result, first, f->jobs > 1 ? top_file : NULL, files, n);
-    const sheard_report report = {.field = f->name,
-                                  .result = result,
-                                  .settings = settings,
-                                  .plan = first->file.plan,
-                                  .files = files,
-                                  .n_files = n,
-                                  .top_file = top_file,
-                                  .has_truth = truth->known,
-                                  .true_g1 = truth->g1,
-                                  .true_g2 = truth->g2,
-                                  .warnings = said.lines,
-                                  .n_warnings = said.n,
-                                  .seconds = 1e-6 * (double)f->elapsed_us};
-    return sheard_report_json(text, &report, err);
-}
-
 /* The accounts of what was counted, and the list of their files. */
 typedef struct listed {
     sheard_account *accounts; /* [n], owned */
@@ -161,11 +139,25 @@ int field_report(const service *s, const store_field *f, const shear_settings *s
                  shear_error *err) {
     CLEANUP(sheard_account_deinit) sheard_account first = {0};
     CLEANUP(listed_deinit) listed files = {0};
+    warning_list said;
     store_truth truth;
     TRY(listed_init(&files, counted, err));
     TRY(shared_truth(s, f, &truth, err));
     TRY(first_plan(s, f, &first, err));
     CLEANUP(release_free) char *top_file = find_top_file(s, f, result);
-    return write_report(f, settings, result, &first, &truth, top_file, files.files, files.n, text,
-                        err);
+    say(&said, result, &first, f->jobs > 1 ? top_file : NULL, files.files, files.n);
+    const sheard_report report = {.field = f->name,
+                                  .result = result,
+                                  .settings = settings,
+                                  .plan = first.file.plan,
+                                  .files = files.files,
+                                  .n_files = files.n,
+                                  .top_file = top_file,
+                                  .has_truth = truth.known,
+                                  .true_g1 = truth.g1,
+                                  .true_g2 = truth.g2,
+                                  .warnings = said.lines,
+                                  .n_warnings = said.n,
+                                  .seconds = 1e-6 * (double)f->elapsed_us};
+    return sheard_report_json(text, &report, err);
 }

@@ -73,12 +73,9 @@ static bool is_known(service *s, const spool_file *file) {
     int64_t id = 0;
     if (!file->again)
         return false;
-    int code = group_begin(&s->group, &err);
-    code = code == SHEAR_OK
-               ? store_find_dropped(s->store, file->owner, file->key, file->name, &id, &err)
-               : code;
-    if (code != SHEAR_OK) {
-        file_disposal_put_off(s, file->active_name, store_code_name(code), err.message);
+    if (group_begin(&s->group, &err) != SHEAR_OK ||
+        store_find_dropped(s->store, file->owner, file->key, file->name, &id, &err) != SHEAR_OK) {
+        file_disposal_put_off(s, file->active_name, store_code_name(err.code), err.message);
         return true;
     }
     if (id != 0)

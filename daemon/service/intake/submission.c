@@ -14,20 +14,6 @@ static void digest(const void *bytes, size_t n, char *hex, size_t size) {
     snprintf(hex, size, "%s", sum);
 }
 
-/* Check that the peer may read the files, by opening them. The caller deinits *files. */
-static int check_files(service *s, const submission *sub, source_files *files,
-                       sheard_rpc_error *error) {
-    shear_error err = {0};
-    int part = -1;
-    const int code = source_files_open(s, &sub->peer, &sub->submit->source, files, &part, &err);
-    if (code == SHEAR_OK)
-        return SHEARD_RPC_OK;
-    rpc_error_from_access(error, code, &err);
-    snprintf(error->parameter, sizeof error->parameter, "%s%spath",
-             part >= 0 ? shear_part_name(part) : "", part >= 0 ? "." : "");
-    return error->code;
-}
-
 /* Store the job. `groups` are the peer's, as text; NULL: the file is the service's own. */
 static int put(service *s, const submission *sub, const sheard_msg_source *named,
                const char *groups, const shear_settings *settings, int64_t *id, bool *known,
@@ -59,12 +45,20 @@ static int put(service *s, const submission *sub, const sheard_msg_source *named
     return rpc_error_from_store(error, code, &err);
 }
 
+/* Check that the peer may read the files, by opening them, and store the job. */
 static int put_clients(service *s, const submission *sub, const shear_settings *settings,
                        int64_t *id, bool *known, sheard_rpc_error *error) {
     CLEANUP(source_files_deinit) source_files files = SOURCE_FILES_NONE;
     CLEANUP(release_free) char *groups = NULL;
     shear_error err = {0};
-    TRY(check_files(s, sub, &files, error));
+    int part = -1;
+    const int code = source_files_open(s, &sub->peer, &sub->submit->source, &files, &part, &err);
+    if (code != SHEAR_OK) {
+        rpc_error_from_access(error, code, &err);
+        snprintf(error->parameter, sizeof error->parameter, "%s%spath",
+                 part >= 0 ? shear_part_name(part) : "", part >= 0 ? "." : "");
+        return error->code;
+    }
     if (access_peer_groups_text(&sub->peer, &groups, &err) != SHEAR_OK)
         return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "%s", err.message);
     return put(s, sub, &files.named, groups, settings, id, known, error);

@@ -25,12 +25,16 @@ bool spooled_file_is_field(const store_job *job) {
            !spooled_file_is_job_file(job->dropped);
 }
 
-static spool_place place_of(const store_job *job) {
+/* Return the place that the store has; if it has none (the job of an older version, or the service
+ * died before the place was stored), the one that is found among the first `names`. */
+static spool_place place_of(const spool *sp, const store_job *job, const char *name, int names) {
     spool_place place = {.name = ""};
     if (job->place != NULL) {
         text_set(place.name, sizeof place.name, job->place);
         text_set(place.fingerprint, sizeof place.fingerprint, job->place_fingerprint);
     }
+    if (place.name[0] == '\0' && store_state_is_final(job->state))
+        spool_find_place(sp, name, names, &place);
     return place;
 }
 
@@ -40,11 +44,7 @@ char *spooled_file_where(const spool *sp, const char *directory, const store_job
     char *path = NULL;
     if (sp == NULL || !spooled_file_name(job, name))
         return NULL;
-    spool_place place = place_of(job);
-    if (place.name[0] == '\0' && store_state_is_final(job->state)) {
-        /* the service died before the place was stored */
-        spool_find_place(sp, name, GLANCE, &place);
-    }
+    const spool_place place = place_of(sp, job, name, GLANCE);
     const char *where = spool_locate(sp, name, &place, buffer);
     return where != NULL && asprintf(&path, "%s/%s", directory, where) > 0 ? path : NULL;
 }
@@ -61,10 +61,7 @@ int spooled_file_restore(spool *sp, const store_job *job, shear_error *err) {
         return SHEAR_OK;
     if (sp == NULL)
         return spooled_file_fail_switched_off(job, err);
-    spool_place place = place_of(job);
-    if (place.name[0] == '\0') { /* the job of an older version, or the power failed */
-        spool_find_place(sp, name, SEARCH, &place);
-    }
+    const spool_place place = place_of(sp, job, name, SEARCH);
     const int code = spool_restore(sp, name, &place, err);
     return spooled_file_is_job_file(job->dropped) ? SHEAR_OK : code;
 }
