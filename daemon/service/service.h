@@ -7,13 +7,13 @@
  *
  * The rooms, each of which may use those before it:
  *
- *     core    the loop, group commit, lifecycle, reload, permissions
+ *     core    group commit, lifecycle, reload, permissions
  *     jobs    the queue, the engine's events; the files that a job reads and leaves
  *     fields  results of fields, and notifications of their changes
  *     intake  submissions, and the files of the watch folder
  *     rpc     the methods of the protocol
  *
- * Calls upwards are callbacks, registered in service.c. */
+ * Calls upwards are callbacks, registered in service.c; loop.c has the events of the loop. */
 #pragma once
 
 #include "sheard/config.h"

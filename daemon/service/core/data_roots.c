@@ -77,15 +77,6 @@ int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err) {
     return SHEAR_OK;
 }
 
-size_t data_roots_missing(const data_roots *d, const char **list, size_t capacity) {
-    size_t n = 0;
-    for (size_t i = 0; i < d->known.n && n < capacity; i++) {
-        if (d->known.roots[i].missing)
-            list[n++] = d->known.roots[i].reason;
-    }
-    return n;
-}
-
 /* ---- periodic checks ---- */
 
 /* Make jobs that wait for a root due now. */

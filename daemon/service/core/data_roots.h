@@ -34,6 +34,3 @@ void data_roots_deinit(data_roots *d);
  * one. Waits for the file systems. SHEAR_E_NOMEM: nothing has changed. */
 int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err);
 void data_roots_tick(data_roots *d); /* once a second */
-/* Write a message for each missing root into list[capacity], and return how many there are. The
- * texts are borrowed. */
-size_t data_roots_missing(const data_roots *d, const char **list, size_t capacity);

@@ -42,16 +42,14 @@ bool permissions_may_give_priority(const permissions *p, const access_peer *peer
     return permissions_is_admin(p, peer) || access_list_has(p->priority, peer);
 }
 
-size_t permissions_unknown(const permissions *p, const char **list, size_t capacity) {
+const char *permissions_unknown(const permissions *p, size_t i) {
     const access_list *const lists[] = {p->admins, p->submitters, p->priority};
-    size_t n = 0;
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
         const char *text = NULL;
-        for (size_t i = 0; n < capacity && (text = access_list_unknown(lists[k], i)) != NULL; i++) {
-            if (list != NULL)
-                list[n] = text;
-            n++;
+        for (size_t j = 0; (text = access_list_unknown(lists[k], j)) != NULL; j++) {
+            if (i-- == 0)
+                return text;
         }
     }
-    return n;
+    return NULL;
 }

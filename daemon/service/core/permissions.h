@@ -19,7 +19,6 @@ void permissions_deinit(permissions *p);
 bool permissions_is_admin(const permissions *p, const access_peer *peer);
 bool permissions_may_submit(const permissions *p, const access_peer *peer);
 bool permissions_may_give_priority(const permissions *p, const access_peer *peer);
-/* Write a message for each configured name that no user or group has into list[capacity], and
- * return how many there are, at most `capacity`. `list` NULL: only count. The texts are
- * borrowed. */
-size_t permissions_unknown(const permissions *p, const char **list, size_t capacity);
+/* Return the message about the i-th configured name that no user or group has, borrowed, or NULL if
+ * there are no more. */
+const char *permissions_unknown(const permissions *p, size_t i);

@@ -26,22 +26,27 @@ static const char **names_of(const size_t *indices, size_t n) {
 /* Return the reasons why accepted settings do not work now (missing data roots, unknown names).
  * NULL: out of memory. */
 static const char **warnings_of(const service *s, size_t *n) {
-    const size_t capacity =
-        s->config.access.data_roots.n + permissions_unknown(&s->permissions, NULL, SIZE_MAX);
-    const char **list = calloc(capacity + 1, sizeof *list);
+    const root_list *known = &s->roots.known;
+    size_t unknown = 0;
+    while (permissions_unknown(&s->permissions, unknown) != NULL)
+        unknown++;
+    const char **list = calloc(known->n + unknown + 1, sizeof *list);
     *n = 0;
-    if (list != NULL) {
-        *n = data_roots_missing(&s->roots, list, capacity);
-        *n += permissions_unknown(&s->permissions, list + *n, capacity - *n);
+    if (list == NULL)
+        return NULL;
+    for (size_t i = 0; i < known->n; i++) {
+        if (known->roots[i].missing)
+            list[(*n)++] = known->roots[i].reason;
     }
+    for (size_t i = 0; i < unknown; i++)
+        list[(*n)++] = permissions_unknown(&s->permissions, i);
     return list;
 }
 
 void reload_warn_names(const service *s) {
-    const char *texts[64];
-    const size_t n = permissions_unknown(&s->permissions, texts, sizeof texts / sizeof *texts);
-    for (size_t i = 0; i < n; i++)
-        log_warning("%s", texts[i]);
+    const char *text = NULL;
+    for (size_t i = 0; (text = permissions_unknown(&s->permissions, i)) != NULL; i++)
+        log_warning("%s", text);
 }
 
 void reload_reply_deinit(sheard_msg_reloaded *reply) {

@@ -181,14 +181,10 @@ static int64_t on_capacity(void *context) {
 }
 
 static void on_log(void *context, enum spool_level level, const char *text) {
+    static void (*const write[])(const char *format, ...) = {
+        [SPOOL_ERROR] = log_error, [SPOOL_WARNING] = log_warning, [SPOOL_NOTICE] = log_notice};
     (void)context;
-    if (level == SPOOL_ERROR) {
-        log_error("%s", text);
-    } else if (level == SPOOL_WARNING) {
-        log_warning("%s", text);
-    } else {
-        log_notice("%s", text);
-    }
+    write[level]("%s", text);
 }
 
 static int64_t now_for_ages(void *context) {

@@ -51,12 +51,11 @@ static int put_clients(service *s, const submission *sub, const shear_settings *
     CLEANUP(source_files_deinit) source_files files = SOURCE_FILES_NONE;
     CLEANUP(release_free) char *groups = NULL;
     shear_error err = {0};
-    int part = -1;
-    const int code = source_files_open(s, &sub->peer, &sub->submit->source, &files, &part, &err);
+    const int code = source_files_open(s, &sub->peer, &sub->submit->source, &files, &err);
     if (code != SHEAR_OK) {
         rpc_error_from_access(error, code, &err);
         snprintf(error->parameter, sizeof error->parameter, "%s%spath",
-                 part >= 0 ? shear_part_name(part) : "", part >= 0 ? "." : "");
+                 files.part >= 0 ? shear_part_name(files.part) : "", files.part >= 0 ? "." : "");
         return error->code;
     }
     if (access_peer_groups_text(&sub->peer, &groups, &err) != SHEAR_OK)

@@ -29,20 +29,20 @@ static int open_file(const service *s, const access_peer *peer, const char *path
 }
 
 int source_files_open(const service *s, const access_peer *peer, const sheard_msg_source *source,
-                      source_files *files, int *part, shear_error *err) {
+                      source_files *files, shear_error *err) {
     const sheard_msg_image *const wanted[SHEAR_N_PARTS] = {&source->galaxy, &source->noise,
                                                            &source->psf, &source->catalog};
     sheard_msg_image *const named[SHEAR_N_PARTS] = {&files->named.galaxy, &files->named.noise,
                                                     &files->named.psf, &files->named.catalog};
     *files = (source_files)SOURCE_FILES_NONE;
-    *part = -1;
+    files->part = -1;
     if (source->path != NULL) {
         TRY(open_file(s, peer, source->path, files, 0, err));
         files->named.path = files->paths[0];
         return SHEAR_OK;
     }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        *part = i;
+        files->part = i;
         if (wanted[i]->path == NULL)
             continue;
         TRY(open_file(s, peer, wanted[i]->path, files, i, err));
@@ -72,9 +72,8 @@ static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
 static int open_clients(const service *s, const store_job *job, job_source *o, shear_error *err) {
     CLEANUP(access_peer_deinit) access_peer peer = {0};
     shear_error missing = {0};
-    int part = -1;
     TRY(peer_of(job, &peer, err));
-    const int code = source_files_open(s, &peer, &o->source, &o->files, &part, err);
+    const int code = source_files_open(s, &peer, &o->source, &o->files, err);
     o->input = sheard_source_input(&o->files.named);
     /* The path was beneath a root when it was accepted, perhaps by another name of a root that is
      * missing now. */

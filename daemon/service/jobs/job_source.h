@@ -19,6 +19,7 @@ typedef struct source_files {
     int fds[SHEAR_N_PARTS];     /* indexed as in shear_field_open_input; -1: not open */
     char *paths[SHEAR_N_PARTS]; /* real paths, without links; [0] if it is one field file */
     sheard_msg_source named;    /* the source with those paths; its other texts are borrowed */
+    int part;                   /* after an error: the one that failed; -1: the field file */
 } source_files;
 
 #define SOURCE_FILES_NONE                                                                          \
@@ -30,10 +31,9 @@ typedef struct source_files {
  * which is SHEAR_OK. */
 int source_files_check_size(const service *s, int fd, const char *name, shear_error *err);
 /* Open a client's files beneath the data roots, with the peer's rights, and check their sizes.
- * Errors of access_open and JOB_SOURCE_E_TOO_LARGE; *part is then the one that failed (-1: the
- * field file). Deinit *files in either case. */
+ * Errors of access_open and JOB_SOURCE_E_TOO_LARGE. Deinit *files in either case. */
 int source_files_open(const service *s, const access_peer *peer, const sheard_msg_source *source,
-                      source_files *files, int *part, shear_error *err);
+                      source_files *files, shear_error *err);
 /* Close the descriptors and free the paths. */
 void source_files_deinit(source_files *files);
 

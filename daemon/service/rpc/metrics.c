@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The method metrics: write the status as Prometheus text. */
+/* metrics: write the status as Prometheus text. */
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/jobs/rpc_errors.h"

@@ -180,10 +180,11 @@ static void add_log(problem_list *list) {
 }
 
 static void add_roots(const service *s, problem_list *list) {
-    const char *reasons[PROBLEMS_TOLD];
-    const size_t n = data_roots_missing(&s->roots, reasons, PROBLEMS_TOLD);
-    for (size_t i = 0; i < n; i++)
-        add(list, "root", "root_missing", "%s", reasons[i]);
+    const root_list *known = &s->roots.known;
+    for (size_t i = 0; i < known->n; i++) {
+        if (known->roots[i].missing)
+            add(list, "root", "root_missing", "%s", known->roots[i].reason);
+    }
 }
 
 problem_list *problem_list_new(const service *s) {
