@@ -195,9 +195,8 @@ static int open_access(service *s, shear_error *err) {
 
 /* Open the store and the modules that need it. */
 static int open_state(service *s, shear_error *err) {
-    const group_hooks turn = {.turn_ended = on_turn_ended, .context = s};
     TRY(open_store(s, err));
-    group_start(&s->group, &s->loop, s->store, &s->notes, &turn);
+    group_start(&s->group, &s->loop, s->store, &s->notes, on_turn_ended, s);
     TRY(clock_watch_start(&s->clock, &s->group, &s->config, err));
     TRY(catalogs_open(s, err));
     catalogs_remove_retracted(s);

@@ -26,7 +26,7 @@ void *group_then(group *g, post_commit_run *run, int64_t job, size_t size) {
     if (post == NULL)
         return NULL;
     post->run = run;
-    post->context = g->hooks.context;
+    post->context = g->context;
     post->job = job;
     *g->last = post;
     g->last = &post->next;
@@ -74,12 +74,12 @@ static void on_turn_end(uv_check_t *check) {
         free(post);
         post = next;
     }
-    g->hooks.turn_ended(g->hooks.context, code);
+    g->turn_ended(g->context, code);
 }
 
 void group_start(group *g, uv_loop_t *loop, store *s, problem_notes *notes,
-                 const group_hooks *hooks) {
-    *g = (group){.store = s, .notes = notes, .hooks = *hooks};
+                 void (*turn_ended)(void *context, int code), void *context) {
+    *g = (group){.store = s, .notes = notes, .turn_ended = turn_ended, .context = context};
     g->last = &g->first;
     uv_check_init(loop, &g->turn_end);
     uv_idle_init(loop, &g->commit_now);

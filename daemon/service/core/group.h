@@ -20,21 +20,17 @@ typedef void post_commit_run(post_commit *post, int code, const shear_error *err
 struct post_commit {
     post_commit *next;
     post_commit_run *run;
-    void *context; /* of group_hooks */
+    void *context; /* of the group */
     int64_t job;   /* number of the job that it is about; 0: none */
 };
-
-typedef struct group_hooks {
-    /* Called after the callbacks of every turn. `code` is the commit's, or SHEAR_OK if there was
-     * none. */
-    void (*turn_ended)(void *context, int code);
-    void *context; /* passed to post-commit callbacks, too */
-} group_hooks;
 
 typedef struct group {
     store *store;
     problem_notes *notes;
-    group_hooks hooks;
+    /* Called after the callbacks of every turn. `code` is the commit's, or SHEAR_OK if there was
+     * none. */
+    void (*turn_ended)(void *context, int code);
+    void *context; /* passed to post-commit callbacks, too */
     uv_check_t turn_end;
     uv_idle_t commit_now; /* active while a group is open, so that the loop does not sleep before
                              the commit */
@@ -45,7 +41,7 @@ typedef struct group {
 } group;
 
 void group_start(group *g, uv_loop_t *loop, store *s, problem_notes *notes,
-                 const group_hooks *hooks);
+                 void (*turn_ended)(void *context, int code), void *context);
 /* Open the group, unless it is open. Call before every change of the store. Errors of
  * store_begin. */
 int group_begin(group *g, shear_error *err);

@@ -71,8 +71,7 @@ static char *file_of(store *s, int64_t id) {
         return NULL;
     if (spooled_file_is_field(&job))
         return strdup(job.dropped);
-    if (sheard_source_parse(&source, job.source, &error) != SHEARD_RPC_OK)
-        source = (sheard_msg_source){0};
+    (void)sheard_source_parse(&source, job.source, &error); /* empty on an error */
     const char *path = source.path != NULL ? source.path : source.galaxy.path;
     return path != NULL ? strdup(path) : NULL;
 }

@@ -85,8 +85,7 @@ void job_to_message(service *s, const store_job *job, sheard_msg_job *out) {
                          .catalog = job->state != STORE_RETRACTED ? job->catalog : NULL,
                          .dropped_name = job->dropped,
                          .file_now = spooled_file_where(s->spool, s->config.spool.directory, job)};
-    if (sheard_source_parse(&out->source, job->source, &ignored) != SHEARD_RPC_OK)
-        out->source = (sheard_msg_source){0};
+    (void)sheard_source_parse(&out->source, job->source, &ignored); /* empty on an error */
     get_progress(s, job, &out->progress);
 }
 
