@@ -43,43 +43,37 @@ static const char *spool_complaint(const char *path) {
     return found;
 }
 
-/* The devices seen so far, each with its first use. */
-typedef struct disk_seen {
-    const char *uses[DISKS];
-    dev_t devices[DISKS];
-    size_t n;
-} disk_seen;
-
-static void look(disk_seen *seen, const char *use, const char *path, sheard_msg_disk *d) {
+/* Fill disks[i]; devices[i] becomes its device. */
+static void look(const char *use, const char *path, sheard_msg_disk *disks, dev_t *devices,
+                 size_t i) {
+    sheard_msg_disk *d = &disks[i];
     struct statvfs fs;
     struct stat st;
     *d = (sheard_msg_disk){.use = use, .path = path};
+    devices[i] = (dev_t)-1;
     if (stat(path, &st) != 0 || statvfs(path, &fs) != 0) {
         d->problem = strerror(errno);
         return;
     }
+    devices[i] = st.st_dev;
     d->free_bytes = (int64_t)fs.f_bavail * (int64_t)fs.f_frsize;
     d->bytes = (int64_t)fs.f_blocks * (int64_t)fs.f_frsize;
     d->problem = strcmp(use, "spool") == 0 ? spool_complaint(path) : complaint(path);
-    for (size_t i = 0; d->same_as == NULL && i < seen->n; i++)
-        d->same_as = seen->devices[i] == st.st_dev ? seen->uses[i] : NULL;
-    if (d->same_as == NULL) {
-        seen->uses[seen->n] = use;
-        seen->devices[seen->n++] = st.st_dev;
-    }
+    for (size_t k = 0; d->same_as == NULL && k < i; k++)
+        d->same_as = devices[k] == st.st_dev ? disks[k].use : NULL;
 }
 
 /* Fill `disks` and return their number. */
 static size_t disks_get(const service *s, sheard_msg_disk disks[DISKS]) {
     const sheard_config *c = &s->config;
-    disk_seen seen = {.n = 0};
+    dev_t devices[DISKS];
     size_t n = 0;
-    look(&seen, "state", c->daemon.state_dir, &disks[n++]);
+    look("state", c->daemon.state_dir, disks, devices, n++);
     if (c->spool.enabled)
-        look(&seen, "spool", c->spool.directory, &disks[n++]);
+        look("spool", c->spool.directory, disks, devices, n++);
     if (c->catalogs.enabled)
-        look(&seen, "catalogues", c->catalogs.directory, &disks[n++]);
-    look(&seen, "scratch", engine_get_scratch(s->engine), &disks[n++]);
+        look("catalogues", c->catalogs.directory, disks, devices, n++);
+    look("scratch", engine_get_scratch(s->engine), disks, devices, n++);
     return n;
 }
 
