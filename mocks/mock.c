@@ -141,7 +141,7 @@ void shear_mock_psf_image(const shear_mock *m, int64_t psf, double *out) {
 /* The scratch memory of one thread. */
 typedef struct workspace {
     painter painter;
-    double *x, *y; /* [max_points] */
+    double *x, *y; /* [max_points], in one allocation */
 } workspace;
 
 /* The workspaces of all threads. */
@@ -154,7 +154,6 @@ static void workspaces_deinit(const workspaces *w) {
     for (int i = 0; w->of != NULL && i < w->n; i++) {
         painter_deinit(&w->of[i].painter);
         free(w->of[i].x);
-        free(w->of[i].y);
     }
     free(w->of);
 }
@@ -162,10 +161,11 @@ static void workspaces_deinit(const workspaces *w) {
 static bool workspace_init(workspace *ws, const shear_mock *m) {
     const shear_mock_spec *s = &m->spec;
     const size_t n = (size_t)m->info.max_points;
-    ws->x = calloc(n, sizeof *ws->x);
-    ws->y = calloc(n, sizeof *ws->y);
-    return painter_init(&ws->painter, s->psf, s->r_psf_px, s->nx, s->ny) && ws->x != NULL &&
-           ws->y != NULL;
+    ws->x = calloc(2 * n, sizeof *ws->x);
+    if (ws->x == NULL)
+        return false;
+    ws->y = ws->x + n;
+    return painter_init(&ws->painter, s->psf, s->r_psf_px, s->nx, s->ny);
 }
 
 static bool workspaces_init(workspaces *w, const shear_mock *m) {

@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include "base/cleanup.h"
+#include "base/text.h"
 #include "value.h"
 
 #include <inttypes.h>
@@ -100,31 +101,41 @@ static const void *member_const(const shear_mock_spec *s, const shear_mock_optio
     return (const char *)s + o->offset;
 }
 
-/* Store the option's numbers as doubles in v. Returns how many there are; 0 if the option has no
- * range. */
-static int numbers(const shear_mock_spec *s, const shear_mock_option *o, double v[2]) {
+/* A type's numbers (none: it has no range), the mark between two of them, and the words for them.
+ */
+typedef struct option_type {
+    int numbers;
+    char mark;
+    const char *expected;
+} option_type;
+
+static const option_type types[] = {
+    [SHEAR_MOCK_T_INT] = {1, '\0', "a whole number"},
+    [SHEAR_MOCK_T_COUNT] = {1, '\0', "a whole number"},
+    [SHEAR_MOCK_T_SEED] = {0, '\0', "a whole number from 0 to 18446744073709551615"},
+    [SHEAR_MOCK_T_DOUBLE] = {1, '\0', "a number"},
+    [SHEAR_MOCK_T_PAIR] = {2, ',', "two numbers with a comma between"},
+    [SHEAR_MOCK_T_SIZE] = {2, 'x', "one whole number, or two with an x between"},
+    [SHEAR_MOCK_T_CHOICE] = {0, '\0', NULL}, /* the option's metavar */
+    [SHEAR_MOCK_T_ON] = {0, '\0', "yes or no"},
+    [SHEAR_MOCK_T_OFF] = {0, '\0', "yes or no"},
+    [SHEAR_MOCK_T_TEXT] = {0, '\0', "at most 68 printable ASCII characters"},
+};
+
+static bool is_whole(const shear_mock_option *o) {
+    return o->type == SHEAR_MOCK_T_INT || o->type == SHEAR_MOCK_T_SIZE;
+}
+
+/* Return number i of the option. */
+static double number(const shear_mock_spec *s, const shear_mock_option *o, int i) {
     const void *m = member_const(s, o);
-    switch (o->type) {
-    case SHEAR_MOCK_T_INT:
-        v[0] = *(const int *)m;
-        return o->has_auto && v[0] == 0.0 ? 0 : 1;
-    case SHEAR_MOCK_T_COUNT:
-        v[0] = (double)*(const int64_t *)m;
-        return 1;
-    case SHEAR_MOCK_T_DOUBLE:
-        v[0] = *(const double *)m;
-        return o->has_auto && isnan(v[0]) ? 0 : 1;
-    case SHEAR_MOCK_T_PAIR:
-        v[0] = ((const double *)m)[0];
-        v[1] = ((const double *)m)[1];
-        return 2;
-    case SHEAR_MOCK_T_SIZE:
-        v[0] = ((const int *)m)[0];
-        v[1] = ((const int *)m)[1];
-        return 2;
-    default:
-        return 0;
-    }
+    if (o->type == SHEAR_MOCK_T_COUNT)
+        return (double)*(const int64_t *)m;
+    return is_whole(o) ? ((const int *)m)[i] : ((const double *)m)[i];
+}
+
+static bool is_auto(const shear_mock_spec *s, const shear_mock_option *o) {
+    return o->has_auto && (is_whole(o) ? number(s, o, 0) == 0.0 : isnan(number(s, o, 0)));
 }
 
 static int check_choice(const shear_mock_spec *s, const shear_mock_option *o, shear_error *err) {
@@ -142,13 +153,12 @@ static int check_choice(const shear_mock_spec *s, const shear_mock_option *o, sh
 static int check_range(const shear_mock_spec *s, const shear_mock_option *o, shear_error *err) {
     if (o->type == SHEAR_MOCK_T_CHOICE)
         return check_choice(s, o, err);
-    double v[2];
-    int n = numbers(s, o, v);
-    for (int i = 0; i < n; i++) {
-        if (!(v[i] >= o->min && v[i] <= o->max)) {
+    for (int i = 0; i < types[o->type].numbers && !is_auto(s, o); i++) {
+        const double v = number(s, o, i);
+        if (!(v >= o->min && v <= o->max)) {
             return shear_fail(err, SHEAR_E_SETTING, NULL,
                               "mock option '%s': %.10g is not in the range from %g to %g%s",
-                              o->name, v[i], o->min, o->max, o->has_auto ? ", or auto" : "");
+                              o->name, v, o->min, o->max, o->has_auto ? ", or auto" : "");
         }
     }
     return SHEAR_OK;
@@ -160,51 +170,50 @@ int options_check_ranges(const shear_mock_spec *s, shear_error *err) {
     return SHEAR_OK;
 }
 
+static bool parse_number(const shear_mock_option *o, const char *text, void *m, int i) {
+    return is_whole(o) ? value_int(text, (int *)m + i) : value_double(text, (double *)m + i);
+}
+
+/* Parse two numbers; one size is that of both sides. */
+static bool parse_two(const shear_mock_option *o, const char *text, void *m) {
+    char first[64];
+    const bool fits = text_set(first, sizeof first, text);
+    char *mark = strchr(first, types[o->type].mark);
+    const char *second = mark != NULL ? mark + 1 : is_whole(o) ? first : "";
+    if (mark != NULL)
+        *mark = '\0';
+    return fits && parse_number(o, first, m, 0) && parse_number(o, second, m, 1);
+}
+
 /* Parse `text` into the member(s) of *s. Returns false if it is not of the option's type. */
 static bool parse(shear_mock_spec *s, const shear_mock_option *o, const char *text) {
     void *m = member(s, o);
-    bool automatic = o->has_auto && strcmp(text, "auto") == 0;
     bool yes = false;
     switch (o->type) {
     case SHEAR_MOCK_T_INT:
         *(int *)m = 0;
-        return automatic || value_int(text, m);
+        break;
+    case SHEAR_MOCK_T_DOUBLE:
+        *(double *)m = NAN;
+        break;
     case SHEAR_MOCK_T_COUNT:
         return value_int64(text, m);
     case SHEAR_MOCK_T_SEED:
         return value_uint64(text, m);
-    case SHEAR_MOCK_T_DOUBLE:
-        *(double *)m = NAN;
-        return automatic || value_double(text, m);
-    case SHEAR_MOCK_T_PAIR:
-        return value_pair(text, m);
-    case SHEAR_MOCK_T_SIZE:
-        return value_size(text, m);
     case SHEAR_MOCK_T_CHOICE:
         return value_choice(text, o->choices, m);
     case SHEAR_MOCK_T_TEXT:
         return value_copy(text, m, sizeof s->field);
+    case SHEAR_MOCK_T_PAIR:
+    case SHEAR_MOCK_T_SIZE:
+        return parse_two(o, text, m);
     default:
         if (!value_bool(text, &yes))
             return false;
         *(bool *)m = (o->type == SHEAR_MOCK_T_ON) == yes;
         return true;
     }
-}
-
-static const char *expected(const shear_mock_option *o) {
-    static const char *const words[] = {
-        [SHEAR_MOCK_T_INT] = "a whole number",
-        [SHEAR_MOCK_T_COUNT] = "a whole number",
-        [SHEAR_MOCK_T_SEED] = "a whole number from 0 to 18446744073709551615",
-        [SHEAR_MOCK_T_DOUBLE] = "a number",
-        [SHEAR_MOCK_T_PAIR] = "two numbers with a comma between",
-        [SHEAR_MOCK_T_SIZE] = "one whole number, or two with an x between",
-        [SHEAR_MOCK_T_ON] = "yes or no",
-        [SHEAR_MOCK_T_OFF] = "yes or no",
-        [SHEAR_MOCK_T_TEXT] = "at most 68 printable ASCII characters",
-    };
-    return o->type == SHEAR_MOCK_T_CHOICE ? o->metavar : words[o->type];
+    return (o->has_auto && strcmp(text, "auto") == 0) || parse_number(o, text, m, 0);
 }
 
 int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear_error *err) {
@@ -218,7 +227,9 @@ int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear
     shear_mock_spec changed = *s;
     if (!parse(&changed, o, value)) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "mock option '%s': \"%s\" is not %s%s",
-                          o->name, value, expected(o), o->has_auto ? ", or auto" : "");
+                          o->name, value,
+                          o->type == SHEAR_MOCK_T_CHOICE ? o->metavar : types[o->type].expected,
+                          o->has_auto ? ", or auto" : "");
     }
     TRY(check_range(&changed, o, err));
     *s = changed;
@@ -228,39 +239,21 @@ int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear
 char *shear_mock_format(const shear_mock_spec *s, const shear_mock_option *o, char *buf,
                         size_t size) {
     const void *m = member_const(s, o);
-    double v[2];
     char first[32];
     char second[32];
-    bool automatic = o->has_auto && numbers(s, o, v) == 0;
-    switch (o->type) {
-    case SHEAR_MOCK_T_INT:
-        snprintf(buf, size, automatic ? "auto" : "%d", *(const int *)m);
-        break;
-    case SHEAR_MOCK_T_COUNT:
-        snprintf(buf, size, "%" PRId64, *(const int64_t *)m);
-        break;
-    case SHEAR_MOCK_T_SEED:
+    if (o->type == SHEAR_MOCK_T_SEED) {
         snprintf(buf, size, "%" PRIu64, *(const uint64_t *)m);
-        break;
-    case SHEAR_MOCK_T_DOUBLE:
-        snprintf(buf, size, "%s", automatic ? "auto" : value_of_double(*(const double *)m, first));
-        break;
-    case SHEAR_MOCK_T_PAIR:
-        snprintf(buf, size, "%s,%s", value_of_double(((const double *)m)[0], first),
-                 value_of_double(((const double *)m)[1], second));
-        break;
-    case SHEAR_MOCK_T_SIZE:
-        snprintf(buf, size, "%dx%d", ((const int *)m)[0], ((const int *)m)[1]);
-        break;
-    case SHEAR_MOCK_T_CHOICE:
-        snprintf(buf, size, "%s", o->choices[*(const int *)m]);
-        break;
-    case SHEAR_MOCK_T_TEXT:
-        snprintf(buf, size, "%s", (const char *)m);
-        break;
-    default:
-        snprintf(buf, size, "%s", *(const bool *)m == (o->type == SHEAR_MOCK_T_ON) ? "yes" : "no");
-        break;
+    } else if (o->type == SHEAR_MOCK_T_CHOICE) {
+        text_set(buf, size, o->choices[*(const int *)m]);
+    } else if (o->type == SHEAR_MOCK_T_TEXT) {
+        text_set(buf, size, m);
+    } else if (types[o->type].numbers == 0) {
+        text_set(buf, size, *(const bool *)m == (o->type == SHEAR_MOCK_T_ON) ? "yes" : "no");
+    } else if (types[o->type].numbers == 2) {
+        snprintf(buf, size, "%s%c%s", value_of_double(number(s, o, 0), first), types[o->type].mark,
+                 value_of_double(number(s, o, 1), second));
+    } else {
+        text_set(buf, size, is_auto(s, o) ? "auto" : value_of_double(number(s, o, 0), first));
     }
     return buf;
 }

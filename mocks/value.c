@@ -50,36 +50,6 @@ bool value_double(const char *text, double *value) {
     return true;
 }
 
-/* Split `text` at the first `mark`. Returns false if there is none, or if the first part is too
- * long. */
-static bool split(const char *text, char mark, char first[32], const char **second) {
-    const char *at = strchr(text, mark);
-    if (at == NULL || at - text >= 32)
-        return false;
-    snprintf(first, 32, "%.*s", (int)(at - text), text);
-    *second = at + 1;
-    return true;
-}
-
-bool value_pair(const char *text, double value[2]) {
-    char first[32];
-    const char *second = NULL;
-    return split(text, ',', first, &second) && value_double(first, &value[0]) &&
-           value_double(second, &value[1]);
-}
-
-bool value_size(const char *text, int value[2]) {
-    char first[32];
-    const char *second = text;
-    if (strchr(text, 'x') == NULL) {
-        const bool good = value_int(text, &value[0]);
-        value[1] = value[0];
-        return good;
-    }
-    return split(text, 'x', first, &second) && value_int(first, &value[0]) &&
-           value_int(second, &value[1]);
-}
-
 bool value_bool(const char *text, bool *value) {
     *value = strcmp(text, "yes") == 0;
     return *value || strcmp(text, "no") == 0;

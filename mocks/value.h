@@ -13,10 +13,6 @@ bool value_int64(const char *text, int64_t *value);
 bool value_uint64(const char *text, uint64_t *value);
 /* Parse a finite number. */
 bool value_double(const char *text, double *value);
-/* Parse "X,Y". */
-bool value_pair(const char *text, double value[2]);
-/* Parse "N" (meaning "NxN") or "NXxNY". */
-bool value_size(const char *text, int value[2]);
 /* Parse "yes" or "no". */
 bool value_bool(const char *text, bool *value);
 /* Find `text` in `choices` (NULL-terminated); *value becomes its index. */

@@ -4,6 +4,7 @@
 #include "shear/version.h"
 #include "shear_mocks/mock.h"
 
+#include <assert.h>
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
@@ -11,17 +12,17 @@
 
 /* Bytes of a chunk, galaxy and noise stamps: large enough to make parallel regions efficient, small
  * enough for any machine. */
-enum { CHUNK_BYTES = 16 << 20, HISTORY_LINE = 128 };
+enum { CHUNK_BYTES = 16 << 20, HISTORY_LINE = 128, MAX_HISTORY = 64 };
 
-/* One chunk of stamps and their rows of the catalog. */
+/* One chunk of stamps and their rows of the catalog. All doubles are in one allocation. */
 typedef struct chunk {
     int capacity;
-    double *galaxy;        /* [capacity][ny][nx] */
+    double *galaxy;        /* [capacity][ny][nx], owned */
     double *noise;         /* [capacity][noise_stamps][ny][nx] */
     double *psf;           /* [psf_ny][psf_nx] */
     double *x, *y, *r_gal; /* [capacity], as the rest */
-    int64_t *id;
-    int32_t *psf_id;
+    int64_t *id;           /* owned */
+    int32_t *psf_id;       /* owned */
 } chunk;
 
 static int chunk_capacity(const shear_mock_info *info, int noise_stamps, int threads) {
@@ -35,11 +36,6 @@ static int chunk_capacity(const shear_mock_info *info, int noise_stamps, int thr
 
 static void chunk_deinit(const chunk *c) {
     free(c->galaxy);
-    free(c->noise);
-    free(c->psf);
-    free(c->x);
-    free(c->y);
-    free(c->r_gal);
     free(c->id);
     free(c->psf_id);
 }
@@ -50,51 +46,43 @@ static int chunk_init(chunk *c, const shear_mock *m, int threads, shear_error *e
     *c = (chunk){.capacity = chunk_capacity(info, noise_stamps, threads)};
     const shear_geometry *g = &info->geometry;
     size_t n = (size_t)c->capacity;
-    size_t pixels = (size_t)g->nx * (size_t)g->ny;
-    c->galaxy = calloc(n * pixels, sizeof *c->galaxy);
-    c->noise = calloc(n * (size_t)noise_stamps * pixels, sizeof *c->noise);
-    c->psf = calloc((size_t)g->psf_nx * (size_t)g->psf_ny, sizeof *c->psf);
-    c->x = calloc(n, sizeof *c->x);
-    c->y = calloc(n, sizeof *c->y);
-    c->r_gal = calloc(n, sizeof *c->r_gal);
+    size_t pixels = n * (size_t)g->nx * (size_t)g->ny;
+    size_t noise = (size_t)noise_stamps * pixels;
+    size_t psf = (size_t)g->psf_nx * (size_t)g->psf_ny;
+    c->galaxy = calloc(pixels + noise + psf + 3 * n, sizeof *c->galaxy);
     c->id = calloc(n, sizeof *c->id);
     c->psf_id = calloc(n, sizeof *c->psf_id);
-    if (c->galaxy == NULL || c->noise == NULL || c->psf == NULL || c->x == NULL || c->y == NULL ||
-        c->r_gal == NULL || c->id == NULL || c->psf_id == NULL) {
+    if (c->galaxy == NULL || c->id == NULL || c->psf_id == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d mock stamps of %dx%d px",
                           c->capacity, g->nx, g->ny);
     }
+    c->noise = c->galaxy + pixels;
+    c->psf = c->noise + noise;
+    c->x = c->psf + psf;
+    c->y = c->x + n;
+    c->r_gal = c->y + n;
     return SHEAR_OK;
 }
 
 /* ---- HISTORY ---- */
 typedef struct history {
-    char (*text)[HISTORY_LINE];
-    const char **lines; /* NULL-terminated */
+    char text[MAX_HISTORY][HISTORY_LINE];
+    const char *lines[MAX_HISTORY]; /* NULL-terminated */
 } history;
 
-static void history_deinit(const history *h) {
-    free(h->text);
-    free(h->lines);
-}
-
-static int history_init(history *h, const shear_mock_spec *spec, shear_error *err) {
+static void history_init(history *h, const shear_mock_spec *spec) {
     size_t n;
     const shear_mock_option *options = shear_mock_options(&n);
-    h->text = calloc(n + 1, sizeof *h->text);
-    h->lines = calloc(n + 2, sizeof *h->lines);
-    if (h->text == NULL || h->lines == NULL)
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a mock's history");
+    *h = (history){.lines = {h->text[0]}};
+    assert(n + 1 < MAX_HISTORY);
     snprintf(h->text[0], HISTORY_LINE, "shear_mocks %s, after Zhang (2010) section 4.1",
              SHEAR_VERSION_STRING);
     for (size_t i = 0; i < n; i++) {
         char value[96];
         shear_mock_format(spec, &options[i], value, sizeof value);
         snprintf(h->text[i + 1], HISTORY_LINE, "mock %s = %s", options[i].name, value);
+        h->lines[i + 1] = h->text[i + 1];
     }
-    for (size_t i = 0; i <= n; i++)
-        h->lines[i] = h->text[i];
-    return SHEAR_OK;
 }
 
 /* ---- the file ---- */
@@ -111,8 +99,8 @@ static int create(shear_field_writer **w, const shear_mock *m, const char *path,
                   shear_error *err) {
     const shear_mock_spec *s = shear_mock_get_spec(m);
     const shear_mock_info *info = shear_mock_get_info(m);
-    CLEANUP(history_deinit) history h = {0};
-    TRY(history_init(&h, s, err));
+    history h;
+    history_init(&h, s);
     shear_field_spec field = {.name = s->field[0] ? s->field : NULL,
                               .pixscale = NAN,
                               .has_truth = true,
