@@ -8,9 +8,7 @@
 
 static const double TICK_LENGTH = 5.0;
 static const double MINOR_LENGTH = 3.0;
-static const double TITLE_ROOM = 25.0;
 static const double TICK_LABEL_ROOM = 20.0;
-static const double LABEL_ROOM = 20.0;
 static const double BARE_ROOM = 8.0;
 
 /* Return a range that can be drawn. */

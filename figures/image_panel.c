@@ -8,10 +8,8 @@ enum { MAX_IMAGE_SIDE = 32767 }; /* limit of a cairo surface */
 static const double BAR_GAP = 6.0;
 static const double BAR_WIDTH = 8.0;
 static const double BAR_ROOM = 44.0;
-static const double TITLE_ROOM = 25.0;
 static const double EDGE_ROOM = 6.0;
 static const double TICK_ROOM = 26.0;
-static const double LABEL_ROOM = 20.0;
 static const double TICK_LABEL_WIDTH = 36.0;
 
 static uint32_t packed(shear_colour c) {

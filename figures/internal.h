@@ -9,7 +9,7 @@
 enum { MAX_LEGEND = 16, LEGEND_LABEL = 96 };
 
 /* The kind of a legend's sample. */
-enum swatch { SWATCH_LINE, SWATCH_POINT, SWATCH_AREA };
+enum swatch { SWATCH_LINE, SWATCH_POINT, SWATCH_AREA, SWATCH_BAND /* without outline */ };
 
 typedef struct legend_entry {
     enum swatch swatch;
@@ -40,6 +40,8 @@ struct shear_figure {
 static const double LABEL_SIZE = 12.0;
 static const double TICK_SIZE = 10.5;
 static const double TITLE_SIZE = 12.5;
+static const double TITLE_ROOM = 25.0;
+static const double LABEL_ROOM = 20.0;
 static const double FRAME_WIDTH = 0.9;
 static const double BAND_OPACITY = 0.2;
 
@@ -59,21 +61,24 @@ size_t label_cut(const char *text, size_t most);
  * numbers. */
 double axes_x(const open_axes *axes, double x);
 double axes_y(const open_axes *axes, double y);
+/* Convert both. Returns whether there is a position. */
+bool axes_place(const open_axes *axes, double x, double y, double *px, double *py);
 /* Return whether axes are open and nothing has failed; otherwise keep the failure. */
 bool axes_ready(shear_figure *f);
 
-/* pen.c: clip at the frame until cairo_restore; stroke and fill the path with the style's colour,
- * width and dash; draw a marker. */
-void pen_clip(shear_figure *f);
+/* pen.c: stroke and fill the path with the style's colour, width and dash; draw a marker. */
 void pen_stroke(shear_figure *f, const shear_style *style);
 void pen_fill(shear_figure *f, const shear_style *style, double default_opacity);
 void pen_marker(shear_figure *f, double x, double y, const shear_style *style);
 
 /* legend.c: add an entry to the legend. */
 void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style);
-/* Add an entry for an area without outline. */
-void legend_add_band(shear_figure *f, const shear_style *style);
 void legend_draw(shear_figure *f);
+
+/* marks.c: clip at the frame; false if axes are not ready. End the clipping, and add an entry to
+ * the legend. */
+bool marks_begin(shear_figure *f);
+void marks_end(shear_figure *f, enum swatch swatch, const shear_style *style);
 
 /* axes.c: make `spec` the open axes with the given frame. */
 void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame);

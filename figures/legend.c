@@ -18,28 +18,23 @@ void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style) {
     memcpy(entry->label, style->label, label_cut(style->label, sizeof entry->label - 1));
 }
 
-void legend_add_band(shear_figure *f, const shear_style *style) {
-    shear_style area = *style;
-    area.width = -1.0;
-    legend_add(f, SWATCH_AREA, &area);
-}
-
 static void draw_swatch(shear_figure *f, const legend_entry *entry, double x, double y) {
     if (entry->swatch == SWATCH_POINT) {
         pen_marker(f, x + SWATCH / 2.0, y, &entry->style);
         return;
     }
-    if (entry->swatch == SWATCH_AREA) {
-        cairo_rectangle(f->cr, x + 1.0, y - 5.0, SWATCH - 2.0, 10.0);
-        pen_fill(f, &entry->style, BAND_OPACITY);
-        if (entry->style.width < 0.0)
-            return;
-        cairo_rectangle(f->cr, x + 1.0, y - 5.0, SWATCH - 2.0, 10.0);
-    } else {
+    if (entry->swatch == SWATCH_LINE) {
         cairo_move_to(f->cr, x, y);
         cairo_line_to(f->cr, x + SWATCH, y);
+        pen_stroke(f, &entry->style);
+        return;
     }
-    pen_stroke(f, &entry->style);
+    cairo_rectangle(f->cr, x + 1.0, y - 5.0, SWATCH - 2.0, 10.0);
+    pen_fill(f, &entry->style, BAND_OPACITY);
+    if (entry->swatch == SWATCH_AREA) {
+        cairo_rectangle(f->cr, x + 1.0, y - 5.0, SWATCH - 2.0, 10.0);
+        pen_stroke(f, &entry->style);
+    }
 }
 
 void legend_draw(shear_figure *f) {

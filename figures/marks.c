@@ -4,16 +4,29 @@
 
 #include <math.h>
 
+bool marks_begin(shear_figure *f) {
+    const shear_rect r = f->axes.frame;
+    if (!axes_ready(f))
+        return false;
+    cairo_save(f->cr);
+    cairo_rectangle(f->cr, r.x, r.y, r.w, r.h);
+    cairo_clip(f->cr);
+    return true;
+}
+
+void marks_end(shear_figure *f, enum swatch swatch, const shear_style *style) {
+    cairo_restore(f->cr);
+    legend_add(f, swatch, style);
+}
+
 void shear_axes_line(shear_figure *f, size_t n, const double *x, const double *y,
                      const shear_style *style) {
-    if (!axes_ready(f))
+    if (!marks_begin(f))
         return;
-    pen_clip(f);
     bool pen_down = false;
     for (size_t i = 0; i < n; i++) {
-        const double px = axes_x(&f->axes, x[i]);
-        const double py = axes_y(&f->axes, y[i]);
-        if (isnan(px) || isnan(py)) {
+        double px, py;
+        if (!axes_place(&f->axes, x[i], y[i], &px, &py)) {
             pen_down = false;
         } else if (pen_down) {
             cairo_line_to(f->cr, px, py);
@@ -23,8 +36,7 @@ void shear_axes_line(shear_figure *f, size_t n, const double *x, const double *y
         }
     }
     pen_stroke(f, style);
-    cairo_restore(f->cr);
-    legend_add(f, SWATCH_LINE, style);
+    marks_end(f, SWATCH_LINE, style);
 }
 
 /* Draw an error bar from (x0, y0) to (x1, y1) on the canvas. */
@@ -57,22 +69,19 @@ static void error_bars(shear_figure *f, double x, double y, double x_err, double
 
 void shear_axes_points(shear_figure *f, size_t n, const double *x, const double *y,
                        const double *x_err, const double *y_err, const shear_style *style) {
-    if (!axes_ready(f))
+    if (!marks_begin(f))
         return;
-    pen_clip(f);
     for (size_t i = 0; i < n; i++)
         error_bars(f, x[i], y[i], x_err != NULL ? x_err[i] : 0.0, y_err != NULL ? y_err[i] : 0.0);
     shear_style bars = *style;
     bars.dash = SHEAR_SOLID;
     pen_stroke(f, &bars);
     for (size_t i = 0; i < n; i++) {
-        const double px = axes_x(&f->axes, x[i]);
-        const double py = axes_y(&f->axes, y[i]);
-        if (!isnan(px) && !isnan(py))
+        double px, py;
+        if (axes_place(&f->axes, x[i], y[i], &px, &py))
             pen_marker(f, px, py, style);
     }
-    cairo_restore(f->cr);
-    legend_add(f, SWATCH_POINT, style);
+    marks_end(f, SWATCH_POINT, style);
 }
 
 /* Add the outline of values [from, to), all of which have a position. */
@@ -87,9 +96,8 @@ static void band_piece(shear_figure *f, size_t from, size_t to, const double *x,
 
 void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *lo, const double *hi,
                      const shear_style *style) {
-    if (!axes_ready(f))
+    if (!marks_begin(f))
         return;
-    pen_clip(f);
     size_t from = 0;
     for (size_t i = 0; i <= n; i++) {
         const bool gap = i == n || isnan(axes_x(&f->axes, x[i])) ||
@@ -99,8 +107,7 @@ void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *l
             from = i + 1;
         }
     }
-    cairo_restore(f->cr);
-    legend_add_band(f, style);
+    marks_end(f, SWATCH_BAND, style);
 }
 
 /* Add the steps of the histogram, from the base line and back to it. */
@@ -123,17 +130,15 @@ void shear_axes_histogram(shear_figure *f, int bins, shear_range r, const double
     if (!axes_ready(f))
         return;
     const bool placed = !isnan(axes_x(&f->axes, r.lo)) && !isnan(axes_x(&f->axes, r.hi));
-    if (bins < 1 || !placed) {
+    if (bins < 1 || !placed)
         figure_failed(f, SHEAR_E_INTERNAL, "a histogram without bins, or off the axis");
+    if (!marks_begin(f))
         return;
-    }
-    pen_clip(f);
     if (style->fill > 0.0) {
         steps_path(f, bins, r, counts);
         pen_fill(f, style, 0.0);
     }
     steps_path(f, bins, r, counts);
     pen_stroke(f, style);
-    cairo_restore(f->cr);
-    legend_add(f, style->fill > 0.0 ? SWATCH_AREA : SWATCH_LINE, style);
+    marks_end(f, style->fill > 0.0 ? SWATCH_AREA : SWATCH_LINE, style);
 }

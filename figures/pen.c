@@ -29,13 +29,6 @@ void pen_fill(shear_figure *f, const shear_style *style, double default_opacity)
     cairo_new_path(f->cr);
 }
 
-void pen_clip(shear_figure *f) {
-    const shear_rect r = f->axes.frame;
-    cairo_save(f->cr);
-    cairo_rectangle(f->cr, r.x, r.y, r.w, r.h);
-    cairo_clip(f->cr);
-}
-
 static void triangle(cairo_t *cr, double x, double y, double r) {
     cairo_move_to(cr, x, y - 1.15 * r);
     cairo_line_to(cr, x + r, y + 0.75 * r);

@@ -26,6 +26,12 @@ double axes_y(const open_axes *axes, double y) {
     return pulled_in(axes->frame.y + axes->frame.h * (1.0 - part_of(&axes->spec.y, y)));
 }
 
+bool axes_place(const open_axes *axes, double x, double y, double *px, double *py) {
+    *px = axes_x(axes, x);
+    *py = axes_y(axes, y);
+    return !isnan(*px) && !isnan(*py);
+}
+
 bool axes_ready(shear_figure *f) {
     if (!figure_good(f))
         return false;
