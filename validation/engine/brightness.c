@@ -30,17 +30,11 @@ double brightness_flux(const brightness *b, uint64_t seed, int64_t galaxy) {
 
 double brightness_sigma(const shear_mock_spec *spec, double snr) {
     shear_mock_spec m = *spec;
-    shear_mock *mock = NULL;
-    m.n_stamps = PROBES;
     m.rotate = 1;
-    const size_t n = PROBES * (size_t)m.nx * (size_t)m.ny;
-    double *galaxy = must_allocate(2 * n, sizeof *galaxy, "stamps");
-    must(shear_mock_new(&mock, &m, &must_error));
-    must(shear_mock_stamps(mock, 0, PROBES, 1, galaxy, galaxy + n, &must_error));
+    double *galaxy = sampler_draw(&m, PROBES);
     double sum = 0.0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < PROBES * (size_t)m.nx * (size_t)m.ny; i++)
         sum += galaxy[i] * galaxy[i];
-    shear_mock_free(mock);
     free(galaxy);
     return sqrt(sum / PROBES) / snr;
 }
@@ -75,8 +69,8 @@ brightness_stamps *brightness_stamps_new(const shear_mock_spec *mock,
     shear_mock_spec noisy = *mock;
     brightness_stamps *s = must_allocate(1, sizeof *s, "stamps");
     noisy.white_sigma = 1.0;
-    must(shear_mock_new(&s->bare, mock, &must_error));
-    must(shear_mock_new(&s->noisy, &noisy, &must_error));
+    s->bare = sampler_mock(mock, mock->n_stamps);
+    s->noisy = sampler_mock(&noisy, mock->n_stamps);
     s->pixels = (size_t)mock->nx * (size_t)mock->ny;
     s->plan = sampler_plan(s->bare, settings);
     s->n_workers = threads > 0 ? threads : omp_get_max_threads();

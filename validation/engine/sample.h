@@ -40,13 +40,14 @@ typedef struct series {
     shear_settings settings;
 } series;
 
+enum { SAMPLE_MAX_SCENES = MAX_VALUES, SAMPLE_MAX_SERIES = 2 * MAX_VALUES };
+
 typedef struct sample {
-    const char *name; /* of the cache's task: unique in the experiment, without spaces */
-    int64_t stamps;   /* 0: the options' galaxies */
-    int n_scenes;
-    const scene *scenes;
-    int n_series;
-    const series *series;
+    char name[64];  /* of the cache's task: unique in the experiment, without spaces */
+    int64_t stamps; /* 0: the options' galaxies */
+    int n_scenes, n_series;
+    scene scenes[SAMPLE_MAX_SCENES];
+    series series[SAMPLE_MAX_SERIES];
     const shear_mock_spec *noise; /* noise shared by the scenes, or NULL */
     bool exchange;                /* note 4 */
     /* Change the scene's spec into that of a mock of one stamp, if stamps differ not only in their
@@ -62,7 +63,7 @@ jackknife_sums *sample_measure(const options *o, cache *c, const sample *what);
 /* ---- direct use, for access to the rows ---- */
 
 typedef struct sampler sampler;
-/* Create a sampler. `threads`: 0: all cores. Scenes and series are copied. */
+/* Create a sampler. `threads`: 0: all cores. */
 sampler *sampler_new(const sample *what, int64_t stamps, int threads);
 void sampler_free(sampler *s);
 /* Measure stamps [first, first+count): rows [n_series][count], in the order of the stamps. `first`
@@ -75,3 +76,11 @@ void sampler_inspect(sampler *s, int i_series, const shear_stamps *stamps, int i
 
 /* Return a plan for stamps of this mock with its first PSF, to be freed by shear_plan_free. */
 shear_plan *sampler_plan(const shear_mock *mock, const shear_settings *settings);
+
+/* ---- mocks; the program ends if a spec is wrong ---- */
+
+/* Return a mock of n stamps, to be freed by shear_mock_free. */
+shear_mock *sampler_mock(const shear_mock_spec *spec, int64_t n);
+/* Draw n stamp pairs: the galaxies [n][ny][nx], then their noise stamps, to be freed by the caller.
+ */
+double *sampler_draw(const shear_mock_spec *spec, int n);

@@ -36,6 +36,25 @@ static size_t pixels_of(const shear_mock_spec *m) {
     return (size_t)m->nx * (size_t)m->ny;
 }
 
+/* ---- mocks ---- */
+
+shear_mock *sampler_mock(const shear_mock_spec *spec, int64_t n) {
+    shear_mock_spec m = *spec;
+    shear_mock *mock = NULL;
+    m.n_stamps = n;
+    must(shear_mock_new(&mock, &m, &must_error));
+    return mock;
+}
+
+double *sampler_draw(const shear_mock_spec *spec, int n) {
+    const size_t size = (size_t)n * pixels_of(spec);
+    shear_mock *mock = sampler_mock(spec, n);
+    double *stamps = must_allocate(2 * size, sizeof *stamps, "stamps");
+    must(shear_mock_stamps(mock, 0, n, 1, stamps, stamps + size, &must_error));
+    shear_mock_free(mock);
+    return stamps;
+}
+
 /* ---- plans ---- */
 
 static void resolve_settings(shear_settings *s, const shear_mock_spec *m) {
@@ -59,7 +78,6 @@ typedef struct basis {
 static basis basis_of(const sampler *s, int i) {
     const series *of = &s->of.series[i];
     basis b = {s->of.scenes[of->scene].spec, of->settings};
-    b.mock.n_stamps = s->stamps;
     b.mock.oversample = of->psf_oversample > 0 ? of->psf_oversample : b.mock.oversample;
     resolve_settings(&b.settings, &b.mock);
     return b;
@@ -103,8 +121,7 @@ static int find_plan(sampler *s, int i) {
         if (same_plan(&earlier, &b))
             return s->plan_of[k];
     }
-    shear_mock *mock = NULL;
-    must(shear_mock_new(&mock, &b.mock, &must_error));
+    shear_mock *mock = sampler_mock(&b.mock, s->stamps);
     s->plans[s->n_plans] = sampler_plan(mock, &b.settings);
     shear_mock_free(mock);
     return s->n_plans++;
@@ -112,13 +129,9 @@ static int find_plan(sampler *s, int i) {
 
 /* ---- the sampler ---- */
 
-static shear_mock *new_mock(sampler *s, const shear_mock_spec *from) {
-    shear_mock_spec m = *from;
-    shear_mock *mock = NULL;
-    m.n_stamps = s->stamps;
-    s->pixels = pixels_of(&m) > s->pixels ? pixels_of(&m) : s->pixels;
-    must(shear_mock_new(&mock, &m, &must_error));
-    return mock;
+static shear_mock *new_mock(sampler *s, const shear_mock_spec *m) {
+    s->pixels = pixels_of(m) > s->pixels ? pixels_of(m) : s->pixels;
+    return sampler_mock(m, s->stamps);
 }
 
 static void make_mocks(sampler *s) {
@@ -214,10 +227,8 @@ static void draw_varied(const sampler *s, worker *w, const scene *c, int64_t fir
     for (int i = 0; i < count; i++) {
         const size_t at = (size_t)i * pixels_of(&c->spec);
         shear_mock_spec m = c->spec;
-        shear_mock *mock = NULL;
-        m.n_stamps = 1;
         s->of.vary(s->of.context, first + i, &m);
-        must(shear_mock_new(&mock, &m, &must_error));
+        shear_mock *mock = sampler_mock(&m, 1);
         must(shear_mock_stamps(mock, 0, 1, 1, w->galaxy + at, w->noise + at, &must_error));
         shear_mock_free(mock);
     }

@@ -120,31 +120,30 @@ static shear_mock_spec spec_of(const options *o, const bias_case *b) {
 static jackknife_sums *measure(const options *o, cache *c, const bias_case *b) {
     const shear_set set = shears_of(o, b, 0);
     const bool shares = b->noise == SOURCES && !b->interpolated;
-    scene scenes[BIAS_MAX_SHEARS];
-    series all[2 * BIAS_MAX_SHEARS];
     shear_mock_spec noise = spec_of(o, b);
-    char name[64];
+    sample s = {.stamps = stamps_of(o, b),
+                .n_scenes = set.n,
+                .n_series = n_ways(b) * set.n,
+                .noise = shares ? &noise : NULL,
+                .exchange = true};
     noise.noise_ratio = options_number(o, "ratio");
     for (int i = 0; i < set.n; i++) {
-        scenes[i] = (scene){.spec = spec_of(o, b), .shared = shares ? 1.0 : 0.0};
-        scenes[i].spec.g1 = set.g[i][0];
-        scenes[i].spec.g2 = set.g[i][1];
+        s.scenes[i] = (scene){.spec = spec_of(o, b), .shared = shares ? 1.0 : 0.0};
+        s.scenes[i].spec.g1 = set.g[i][0];
+        s.scenes[i].spec.g2 = set.g[i][1];
     }
-    for (int i = 0; i < n_ways(b) * set.n; i++) {
-        all[i] =
-            method_series(N_METHODS - 2 + i % n_ways(b), PSF_FINE, noise.r_psf_px, &o->settings);
-        all[i].scene = i / n_ways(b);
+    for (int i = 0; i < s.n_series; i++) {
+        const int which = N_METHODS - 2 + i % n_ways(b);
+        s.series[i] = method_series(which, PSF_FINE, noise.r_psf_px, &o->settings);
+        s.series[i].scene = i / n_ways(b);
         if (!b->interpolated) {
-            all[i].settings.interpolation = SHEAR_INTERP_NONE;
-            all[i].settings.oversample = o->settings.oversample;
+            s.series[i].settings.interpolation = SHEAR_INTERP_NONE;
+            s.series[i].settings.oversample = o->settings.oversample;
         }
     }
-    snprintf(name, sizeof name, "%s,W_%s,noise=%s%s%s", bias_kinds[b->kind], bias_psfs[b->psf],
+    snprintf(s.name, sizeof s.name, "%s,W_%s,noise=%s%s%s", bias_kinds[b->kind], bias_psfs[b->psf],
              bias_noises[b->noise], b->interpolated ? ",log" : "", b->large ? ",large" : "");
-    return sample_measure(o, c,
-                          &(sample){name, stamps_of(o, b), .n_scenes = set.n, .scenes = scenes,
-                                    .n_series = n_ways(b) * set.n, .series = all,
-                                    .noise = shares ? &noise : NULL, .exchange = true});
+    return sample_measure(o, c, &s);
 }
 
 /* Compute half the difference between +g and -g, over g: the odd part in the shear, averaged over

@@ -21,13 +21,9 @@ static const column columns[] = {
     {"noise", TABLE_TEXT, 0, .help = "kind of noise"},
     {"shears", TABLE_TEXT, 0, .help = "small (m and c) or large (m and the cubic term)"},
     {"n", TABLE_INTEGER, 0, .help = "stamps at each shear, rotated copies included"},
-    {0}};
-static const column components[] = {
     {"m#", TABLE_NUMBER, 6,
      .help = "multiplicative bias (of both components where shears are large)", .with_error = true},
     {"c#", TABLE_NUMBER, 7, .help = "additive bias", .with_error = true},
-    {0}};
-static const column columns_of_both[] = {
     {"worst_pull", TABLE_NUMBER, 1, .help = "largest of |m|/error and |c|/error"},
     {"cubic", TABLE_NUMBER, 3, .help = "a in measured - true = m g + a |g|^2 g",
      .with_error = true},
@@ -90,8 +86,6 @@ static void conclude_noise(table *t, const lines *all, enum bias_noise noise, bo
 
 static void tabulate(table *t, const lines *all) {
     table_columns(t, columns);
-    table_components(t, components);
-    table_columns(t, columns_of_both);
     for (int i = 0; i < all->n; i++)
         add_row(t, &all->of[i]);
     for (int i = 0; i < 6; i++)

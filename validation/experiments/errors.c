@@ -115,9 +115,8 @@ static void measure_chunk(void *context, int chunk, double *values) {
 
 /* Return values [chunks][values_of_chunk]. */
 static double *measure(const options *o, cache *c) {
-    const scene only = {.spec = o->mock};
-    const series one = {.settings = o->settings};
-    const sample what = {"fields", .n_scenes = 1, .scenes = &only, .n_series = 1, .series = &one};
+    const sample what = {"fields", .n_scenes = 1, .scenes = {{.spec = o->mock}}, .n_series = 1,
+                         .series = {{.settings = o->settings}}};
     const int length = chunk_length(o);
     chunked of = {o, sampler_new(&what, (int64_t)chunks_of(o) * length, o->threads),
                   must_allocate((size_t)length, sizeof *of.rows, "rows")};

@@ -20,18 +20,6 @@ typedef struct image {
     double *pixels; /* [ny][nx], owned; in a drawn image the noise stamp follows */
 } image;
 
-static image draw_mock(const shear_mock_spec *spec) {
-    shear_mock_spec m = *spec;
-    shear_mock *mock = NULL;
-    const size_t n = (size_t)m.nx * (size_t)m.ny;
-    const image im = {m.nx, m.ny, must_allocate(2 * n, sizeof(double), "an image")};
-    m.n_stamps = 1;
-    must(shear_mock_new(&mock, &m, &must_error));
-    must(shear_mock_stamps(mock, 0, 1, 1, im.pixels, im.pixels + n, &must_error));
-    shear_mock_free(mock);
-    return im;
-}
-
 /* Draw the same galaxy on the fine grid, whose pixel k is at k / s pixels. */
 static image draw_truth(const options *o) {
     shear_mock_spec m = o->mock;
@@ -43,14 +31,14 @@ static image draw_truth(const options *o) {
     m.r_psf_px *= s;
     m.offset_x = s * m.offset_x - 0.5 * (s - 1);
     m.offset_y = s * m.offset_y - 0.5 * (s - 1);
-    return draw_mock(&m);
+    return (image){m.nx, m.ny, sampler_draw(&m, 1)};
 }
 
 static image interpolate(const options *o, int i_method, const image *coarse) {
-    const scene only = {.spec = o->mock};
-    const series one = method_series(i_method, PSF_FINE, o->mock.r_psf_px, &o->settings);
-    sampler *s = sampler_new(
-        &(sample){"images", .n_scenes = 1, .scenes = &only, .n_series = 1, .series = &one}, 1, 1);
+    const sample only = {
+        "images", .n_scenes = 1, .scenes = {{.spec = o->mock}}, .n_series = 1,
+        .series = {method_series(i_method, PSF_FINE, o->mock.r_psf_px, &o->settings)}};
+    sampler *s = sampler_new(&only, 1, 1);
     const size_t n = (size_t)coarse->nx * (size_t)coarse->ny;
     const shear_stamps pair = {.count = 1,
                                .nx = coarse->nx,
@@ -138,7 +126,7 @@ static void draw(run *r, const image *coarse, const image *truth, const image *f
 
 static void run_images(run *r) {
     const options *o = r->options;
-    const image coarse = draw_mock(&o->mock);
+    const image coarse = {o->mock.nx, o->mock.ny, sampler_draw(&o->mock, 1)};
     const image truth = draw_truth(o);
     image fine[N_METHODS];
     for (int i = 0; i < N_METHODS; i++)

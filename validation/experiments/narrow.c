@@ -68,11 +68,8 @@ static double power_of_points(int n, const double *x, const double *y, double k)
 }
 
 static powers find_powers(const options *o) {
-    shear_mock_spec spec = o->mock;
-    shear_mock *mock = NULL;
+    shear_mock *mock = sampler_mock(&o->mock, (int64_t)POWER_GALAXIES * o->mock.rotate);
     powers p = {0};
-    spec.n_stamps = (int64_t)POWER_GALAXIES * spec.rotate;
-    must(shear_mock_new(&mock, &spec, &must_error));
     const int most = shear_mock_get_info(mock)->max_points;
     double *x = must_allocate(2 * (size_t)most, sizeof *x, "points");
     for (int galaxy = 0; galaxy < POWER_GALAXIES; galaxy++) {
@@ -120,25 +117,22 @@ static shear_settings settings_of(const options *o, int way, double r_psf_px) {
 
 /* Measure. The series are way + N_WAYS * sign. */
 static void measure(const options *o, cache *c, point *p) {
-    scene scenes[SIGNS];
-    series all[SIGNS * N_WAYS];
-    char name[32];
+    sample s = {.n_scenes = SIGNS, .n_series = SIGNS * N_WAYS};
     for (int i = 0; i < SIGNS; i++) {
-        scenes[i] = (scene){.spec = o->mock};
-        scenes[i].spec.g1 *= i != 0 ? -1.0 : 1.0;
-        scenes[i].spec.g2 *= i != 0 ? -1.0 : 1.0;
-        scenes[i].spec.r_psf_px = p->r_psf_px;
-        scenes[i].spec.nx = scenes[i].spec.ny = stamp_side(o->mock.r_gal_px, p->r_psf_px);
+        shear_mock_spec *m = &s.scenes[i].spec;
+        *m = o->mock;
+        m->g1 *= i != 0 ? -1.0 : 1.0;
+        m->g2 *= i != 0 ? -1.0 : 1.0;
+        m->r_psf_px = p->r_psf_px;
+        m->nx = m->ny = stamp_side(m->r_gal_px, m->r_psf_px);
     }
-    for (int i = 0; i < SIGNS * N_WAYS; i++) {
-        all[i] = (series){i / N_WAYS, psf_oversample(PSF_FINE, p->r_psf_px),
-                          settings_of(o, i % N_WAYS, p->r_psf_px)};
-        p->beta_px[i % N_WAYS] = all[i].settings.beta_px;
+    for (int i = 0; i < s.n_series; i++) {
+        s.series[i] = (series){i / N_WAYS, psf_oversample(PSF_FINE, p->r_psf_px),
+                               settings_of(o, i % N_WAYS, p->r_psf_px)};
+        p->beta_px[i % N_WAYS] = s.series[i].settings.beta_px;
     }
-    snprintf(name, sizeof name, "R_PSF=%g", p->r_psf_px);
-    jackknife_sums *sums = sample_measure(o, c,
-                                          &(sample){name, .n_scenes = SIGNS, .scenes = scenes,
-                                                    .n_series = SIGNS * N_WAYS, .series = all});
+    snprintf(s.name, sizeof s.name, "R_PSF=%g", p->r_psf_px);
+    jackknife_sums *sums = sample_measure(o, c, &s);
     for (int way = 0; way < N_WAYS; way++) {
         const shear_set set = {.n = SIGNS,
                                .series = {way, N_WAYS + way},

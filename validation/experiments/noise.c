@@ -21,25 +21,20 @@ static int64_t stamps(const options *o) {
 /* Measure. Series 2 i and 2 i + 1 are ratio i with and without the correction. */
 static jackknife_sums *measure(const options *o, cache *c) {
     const parameter_values *ratios = options_list(o, "ratios");
-    scene scenes[MAX_VALUES];
-    series all[2 * MAX_VALUES];
     shear_mock_spec noise = o->mock;
+    sample s = {"noise", .n_scenes = ratios->n, .n_series = 2 * ratios->n, .noise = &noise};
     noise.noise_ratio = 1.0;
-    for (int i = 0; i < 2 * ratios->n; i++) {
-        scenes[i / 2] = (scene){.spec = o->mock, .shared = ratios->v[i / 2]};
-        all[i] = (series){.scene = i / 2, .settings = o->settings};
-        all[i].settings.noise_correction = i % 2 == 0;
+    for (int i = 0; i < s.n_series; i++) {
+        s.scenes[i / 2] = (scene){.spec = o->mock, .shared = ratios->v[i / 2]};
+        s.series[i] = (series){.scene = i / 2, .settings = o->settings};
+        s.series[i].settings.noise_correction = i % 2 == 0;
     }
-    return sample_measure(o, c,
-                          &(sample){"noise", .n_scenes = ratios->n, .scenes = scenes,
-                                    .n_series = 2 * ratios->n, .series = all, .noise = &noise});
+    return sample_measure(o, c, &s);
 }
 
 static const column columns[] = {
     {"ratio", TABLE_NUMBER, 2, .help = "mean flux density of the noise over the galaxy's, I_N/I_G"},
     {"corrected", TABLE_TEXT, 0, .help = "whether the noise stamp's moments are subtracted"},
-    {0}};
-static const column components[] = {
     {"g#", TABLE_NUMBER, 5, .help = "measured shear", .with_error = true},
     {"pull#", TABLE_NUMBER, 2, .help = "(measured - true) / error"},
     {0}};
@@ -72,7 +67,6 @@ static void tabulate(run *r, const jackknife_sums *sums, curve curves[2][2]) {
     double worst = 0.0;
     jackknife_shear s = {0};
     table_columns(r->table, columns);
-    table_components(r->table, components);
     for (int i = 0; i < sums->n_series; i++) {
         const double ratio = ratios->v[i / 2];
         s = jackknife_shear_of(sums, i, o->mock.rotate > 1, truth);
@@ -101,19 +95,13 @@ static void draw(run *r, curve curves[2][2]) {
 
 static void draw_image(const options *o, shear_figure *f, shear_rect cell, double ratio) {
     shear_mock_spec m = o->mock;
-    shear_mock *mock = NULL;
     char title[40];
-    m.n_stamps = 1;
     m.noise_ratio = ratio;
-    const size_t n = (size_t)m.nx * (size_t)m.ny;
-    double *galaxy = must_allocate(2 * n, sizeof *galaxy, "an image");
-    must(shear_mock_new(&mock, &m, &must_error));
-    must(shear_mock_stamps(mock, 0, 1, 1, galaxy, galaxy + n, &must_error));
+    double *galaxy = sampler_draw(&m, 1);
     snprintf(title, sizeof title, "I_{N}/I_{G} = %g", ratio);
     shear_image_begin(f, &(shear_image){cell, title, galaxy, m.nx, m.ny, .map = SHEAR_MAP_GREY,
                                         .percentiles = {0.0, 99.95}});
     shear_axes_end(f);
-    shear_mock_free(mock);
     free(galaxy);
 }
 

@@ -42,31 +42,27 @@ static int method_of(int i) {
 }
 
 static jackknife_sums *measure(const options *o, cache *c, int panel, double size) {
-    char name[64];
-    scene only = {.spec = o->mock};
-    series best[N_BEST];
-    shear_mock_spec *m = &only.spec;
+    sample s = {.n_scenes = 1, .scenes = {{.spec = o->mock}}, .n_series = N_BEST};
+    shear_mock_spec *m = &s.scenes[0].spec;
     m->galaxy = kinds[panel].kind;
     m->psf = kinds[panel].form;
     m->r_gal_px = size * m->r_psf_px;
     m->step_px = options_number(o, "step") * m->r_gal_px;
     m->noise_ratio = options_list(o, "ratios")->v[panel];
     for (int i = 0; i < N_BEST; i++)
-        best[i] = method_series(method_of(i), PSF_FINE, m->r_psf_px, &o->settings);
-    snprintf(name, sizeof name, "%s,W_%s,R_G=%g", kinds[panel].galaxy, kinds[panel].psf, size);
-    return sample_measure(
-        o, c, &(sample){name, .n_scenes = 1, .scenes = &only, .n_series = N_BEST, .series = best});
+        s.series[i] = method_series(method_of(i), PSF_FINE, m->r_psf_px, &o->settings);
+    snprintf(s.name, sizeof s.name, "%s,W_%s,R_G=%g", kinds[panel].galaxy, kinds[panel].psf, size);
+    return sample_measure(o, c, &s);
 }
 
 /* ---- table ---- */
 
-static const column columns[] = {{"galaxy", TABLE_TEXT, 0, .help = "kind of the galaxies"},
-                                 {"psf", TABLE_TEXT, 0, .help = "form of the PSF"},
-                                 {"ratio", TABLE_NUMBER, 2, .help = "noise over galaxy, I_N/I_G"},
-                                 {"size", TABLE_NUMBER, 1, .help = "R_G over R_PSF"},
-                                 {"method", TABLE_TEXT, 0, .help = "interpolation"},
-                                 {0}};
-static const column components[] = {
+static const column columns[] = {
+    {"galaxy", TABLE_TEXT, 0, .help = "kind of the galaxies"},
+    {"psf", TABLE_TEXT, 0, .help = "form of the PSF"},
+    {"ratio", TABLE_NUMBER, 2, .help = "noise over galaxy, I_N/I_G"},
+    {"size", TABLE_NUMBER, 1, .help = "R_G over R_PSF"},
+    {"method", TABLE_TEXT, 0, .help = "interpolation"},
     {"g#", TABLE_NUMBER, 5, .help = "measured shear", .with_error = true},
     {"pull#", TABLE_NUMBER, 2, .help = "(measured - true) / error"},
     {0}};
@@ -107,7 +103,6 @@ static jackknife_sums *tabulate(run *r, outcome *out) {
     const double truth[] = {o->mock.g1, o->mock.g2};
     jackknife_sums *all = jackknife_sums_new(0, 0);
     table_columns(r->table, columns);
-    table_components(r->table, components);
     for (int k = 0; k < N_PANELS * sizes->n; k++) {
         const double size = sizes->v[k % sizes->n];
         jackknife_sums *sums = measure(o, r->cache, k / sizes->n, size);

@@ -52,26 +52,23 @@ static shear_settings settings_at(const options *o, double ratio) {
 /* Measure without the effect of pixels: R_PSF = 4 pixels, not interpolated. */
 static jackknife_sums *measure_reference(const options *o, cache *c, double size) {
     static const double fine = 0.25;
-    char name[48];
-    const scene only = scene_at(o, size, fine);
-    series one = {.settings = settings_at(o, fine)};
-    one.settings.interpolation = SHEAR_INTERP_NONE;
-    one.settings.oversample = 0;
-    snprintf(name, sizeof name, "reference:R_G=%g", size);
-    return sample_measure(
-        o, c, &(sample){name, .n_scenes = 1, .scenes = &only, .n_series = 1, .series = &one});
+    sample s = {.n_scenes = 1,
+                .scenes = {scene_at(o, size, fine)},
+                .n_series = 1,
+                .series = {{.settings = settings_at(o, fine)}}};
+    s.series[0].settings.interpolation = SHEAR_INTERP_NONE;
+    s.series[0].settings.oversample = 0;
+    snprintf(s.name, sizeof s.name, "reference:R_G=%g", size);
+    return sample_measure(o, c, &s);
 }
 
 static jackknife_sums *measure_ratio(const options *o, cache *c, double size, double ratio) {
-    char name[64];
-    series all[N_METHOD_SERIES];
-    const scene only = scene_at(o, size, ratio);
+    sample s = {
+        .n_scenes = 1, .scenes = {scene_at(o, size, ratio)}, .n_series = samplings(o) * N_METHODS};
     const shear_settings settings = settings_at(o, ratio);
-    method_series_all(all, 1.0 / ratio, &settings);
-    snprintf(name, sizeof name, "R_G=%g,pixel=%g", size, ratio);
-    return sample_measure(o, c,
-                          &(sample){name, .n_scenes = 1, .scenes = &only,
-                                    .n_series = samplings(o) * N_METHODS, .series = all});
+    method_series_all(s.series, 1.0 / ratio, &settings);
+    snprintf(s.name, sizeof s.name, "R_G=%g,pixel=%g", size, ratio);
+    return sample_measure(o, c, &s);
 }
 
 /* Measure the well-sampled reference (series 0) and, for each ratio, the six methods with each
@@ -143,18 +140,14 @@ static const column columns[] = {
     {"method", TABLE_TEXT, 0, .help = "interpolation"},
     {"psf", TABLE_TEXT, 0,
      .help = "PSF given finely sampled, or interpolated from the same pixels"},
-    {0}};
-static const column components[] = {
     {"g#", TABLE_NUMBER, 5, .help = "measured shear"},
     {"g#_err", TABLE_NUMBER, 5, .help = "its 1-sigma error (jackknife)"},
     {"pull#", TABLE_NUMBER, 2, .help = "(measured - true) / error"},
     {"dev#", TABLE_NUMBER, 5, .help = "measured, minus well sampled, the same galaxies",
      .with_error = true},
+    {"gain", TABLE_NUMBER, 5, .help = "|deviation| without the logarithm minus with it",
+     .with_error = true},
     {0}};
-static const column gain[] = {{"gain", TABLE_NUMBER, 5,
-                               .help = "|deviation| without the logarithm minus with it",
-                               .with_error = true},
-                              {0}};
 
 static void add_row(table *t, int psf, const point *p) {
     table_numbers(t, p->size, p->ratio);
@@ -254,8 +247,6 @@ static void run_pixels(run *r) {
     const parameter_values *sizes = options_list(r->options, "sizes");
     jackknife_sums *sums[MAX_SIZES] = {NULL};
     table_columns(r->table, columns);
-    table_components(r->table, components);
-    table_columns(r->table, gain);
     for (int i = 0; i < sizes->n; i++)
         sums[i] = measure_size(r->options, r->cache, sizes->v[i]);
     for (int psf = 0; psf < samplings(r->options); psf++)

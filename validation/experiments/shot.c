@@ -67,8 +67,7 @@ static series series_of(const options *o, int i_scene, int way, double backgroun
 
 /* Return the background of a galaxy whose points have amplitude 1. */
 static double background_at(const shear_mock_spec *spec, double snr) {
-    shear_mock *mock = NULL;
-    must(shear_mock_new(&mock, spec, &must_error));
+    shear_mock *mock = sampler_mock(spec, 1);
     const shear_mock_info *info = shear_mock_get_info(mock);
     const double area = M_PI * spec->r_gal_px * spec->r_gal_px;
     const double background = info->max_points * info->psf_flux / area / snr;
@@ -78,23 +77,20 @@ static double background_at(const shear_mock_spec *spec, double snr) {
 
 /* Measure. The series are way + N_WAYS * shear. photons = 0 is an infinite exposure. */
 static jackknife_sums *measure(const options *o, cache *c, double snr, double photons) {
-    char name[64];
-    scene scenes[N_SHEARS];
-    series all[N_SHEARS * N_WAYS];
+    sample s = {.n_scenes = N_SHEARS, .n_series = N_SHEARS * N_WAYS};
     const double background = photons > 0.0 ? 0.0 : background_at(&o->mock, snr);
     for (int i = 0; i < N_SHEARS; i++) {
-        scenes[i] = (scene){.spec = o->mock};
-        scenes[i].spec.g1 = scenes[i].spec.g2 = shear_at(o, i);
-        scenes[i].spec.photons = photons;
-        scenes[i].spec.photon_snr = snr;
+        shear_mock_spec *m = &s.scenes[i].spec;
+        *m = o->mock;
+        m->g1 = m->g2 = shear_at(o, i);
+        m->photons = photons;
+        m->photon_snr = snr;
     }
-    for (int i = 0; i < N_SHEARS * N_WAYS; i++)
-        all[i] = series_of(o, i / N_WAYS, i % N_WAYS, background);
-    snprintf(name, sizeof name, photons > 0.0 ? "snr=%g,photons=%g" : "snr=%g,endless", snr,
+    for (int i = 0; i < s.n_series; i++)
+        s.series[i] = series_of(o, i / N_WAYS, i % N_WAYS, background);
+    snprintf(s.name, sizeof s.name, photons > 0.0 ? "snr=%g,photons=%g" : "snr=%g,endless", snr,
              photons);
-    return sample_measure(o, c,
-                          &(sample){name, .n_scenes = N_SHEARS, .scenes = scenes,
-                                    .n_series = N_SHEARS * N_WAYS, .series = all});
+    return sample_measure(o, c, &s);
 }
 
 static shear_set set_of(const options *o, int first) {
@@ -112,8 +108,6 @@ static const column columns[] = {
     {"snr", TABLE_NUMBER, 2, .help = "mean surface brightness, galaxy over background"},
     {"photons", TABLE_NUMBER, -3, .help = "mean background photons per pixel"},
     {"way", TABLE_TEXT, 0, .help = "log-spline (the paper's); none; none with shot_noise=plateau"},
-    {0}};
-static const column components[] = {
     {"m#", TABLE_NUMBER, 5, .help = "multiplicative bias", .with_error = true},
     {"dm#", TABLE_NUMBER, 5, .help = "m minus that of the same galaxies in an endless exposure",
      .with_error = true},
@@ -209,7 +203,6 @@ static void draw_panel(const panels *p, int i, double snr, const outcome *out) {
 static void run_shot(run *r) {
     outcome *out = must_allocate(1, sizeof *out, "results");
     table_columns(r->table, columns);
-    table_components(r->table, components);
     for (int panel = 0; panel < N_PANELS; panel++)
         do_panel(r, panel, out);
     const panels p = run_panels(

@@ -96,23 +96,19 @@ static shears unpack(const double *values, int64_t n) {
 }
 
 static shears measure(const options *o, cache *c, int i_object, double ratio) {
-    char name[40];
-    series all[N_METHOD_SERIES];
-    const scene only = {.spec = spec_at(o, i_object, ratio)};
+    sample what = {.n_scenes = 1,
+                   .scenes = {{.spec = spec_at(o, i_object, ratio)}},
+                   .n_series = N_METHOD_SERIES,
+                   .vary = place};
     shear_settings settings = o->settings;
-    shear_mock_spec draws = only.spec;
-    shear_mock *centres = NULL;
+    shear_mock *centres = sampler_mock(&what.scenes[0].spec, o->galaxies);
     settings.beta_px = options_number(o, "beta") / ratio;
-    method_series_all(all, 1.0 / ratio, &settings);
-    draws.n_stamps = o->galaxies;
-    must(shear_mock_new(&centres, &draws, &must_error));
-    const sample what = {
-        "single",      .n_scenes = 1, .scenes = &only,   .n_series = N_METHOD_SERIES,
-        .series = all, .vary = place, .context = centres};
+    what.context = centres;
+    method_series_all(what.series, 1.0 / ratio, &settings);
+    snprintf(what.name, sizeof what.name, "%d:pixel/R_PSF=%g", i_object, ratio);
     positions p = {sampler_new(&what, o->galaxies, o->threads), o->galaxies};
-    snprintf(name, sizeof name, "%d:pixel/R_PSF=%g", i_object, ratio);
     double *values =
-        cache_run(c, &(cache_task){name, .chunks = (int)((o->galaxies + CHUNK - 1) / CHUNK),
+        cache_run(c, &(cache_task){what.name, .chunks = (int)((o->galaxies + CHUNK - 1) / CHUNK),
                                    .values = 2 * N_METHOD_SERIES * CHUNK, .stamps_of_chunk = CHUNK,
                                    .work = measure_chunk, .context = &p});
     const shears s = unpack(values, o->galaxies);
@@ -126,13 +122,12 @@ static shears measure(const options *o, cache *c, int i_object, double ratio) {
 static void measure_truth(const options *o, int i_object, double truth[2]) {
     static const double fine = 0.125;
     shear_row row = {0};
-    const scene only = {.spec = spec_at(o, i_object, fine)};
-    series one = {.settings = o->settings};
-    one.settings.interpolation = SHEAR_INTERP_NONE;
-    one.settings.oversample = 0;
-    one.settings.beta_px = options_number(o, "beta") / fine;
-    sampler *s = sampler_new(
-        &(sample){"truth", .n_scenes = 1, .scenes = &only, .n_series = 1, .series = &one}, 1, 1);
+    sample only = {"truth", .n_scenes = 1, .scenes = {{.spec = spec_at(o, i_object, fine)}},
+                   .n_series = 1, .series = {{.settings = o->settings}}};
+    only.series[0].settings.interpolation = SHEAR_INTERP_NONE;
+    only.series[0].settings.oversample = 0;
+    only.series[0].settings.beta_px = options_number(o, "beta") / fine;
+    sampler *s = sampler_new(&only, 1, 1);
     sampler_rows(s, 0, 1, &row);
     truth[0] = row.n1 / row.d;
     truth[1] = row.n2 / row.d;
@@ -208,14 +203,10 @@ static const column columns[] = {
     {"method", TABLE_TEXT, 0, .help = "interpolation"},
     {"psf", TABLE_TEXT, 0,
      .help = "PSF given finely sampled, or interpolated from the same pixels"},
-    {0}};
-static const column components[] = {
     {"bias#", TABLE_NUMBER, 5, .help = "mean over positions, minus the well-sampled shear",
      .with_error = true},
     {"pull#", TABLE_NUMBER, 1, .help = "bias / error"},
     {"scatter#", TABLE_NUMBER, 5, .help = "standard deviation over positions"},
-    {0}};
-static const column columns_of_all[] = {
     {"rms", TABLE_NUMBER, 5, .help = "root mean square deviation of a component"},
     {"rms_all", TABLE_NUMBER, 5, .help = "the same over all objects"},
     {"nearer", TABLE_INTEGER, 0,
@@ -271,8 +262,6 @@ static void add_count(table *t, const objects *all, int i_series) {
 
 static void tabulate(table *t, const objects *all) {
     table_columns(t, columns);
-    table_components(t, components);
-    table_columns(t, columns_of_all);
     table_meta(t, "well_sampled", "%.6f, %.6f", all->of[0].truth[0], all->of[0].truth[1]);
     for (int i = 0; i < all->ratios->n * N_METHOD_SERIES; i++)
         add_row(t, all, i / N_METHOD_SERIES, i % N_METHOD_SERIES);

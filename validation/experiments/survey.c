@@ -103,10 +103,7 @@ static const column columns[] = {
     {"snr", TABLE_NUMBER, 0, .help = "signal-to-noise of the galaxies"},
     {"estimator", TABLE_TEXT, 0, .help = "mean or pdf-sym"},
     {"m", TABLE_NUMBER, 4, .help = "multiplicative bias along the shear", .with_error = true},
-    {0}};
-static const column components[] = {
-    {"c#", TABLE_NUMBER, 5, .help = "additive bias", .with_error = true}, {0}};
-static const column columns_of_both[] = {
+    {"c#", TABLE_NUMBER, 5, .help = "additive bias", .with_error = true},
     {"level", TABLE_NUMBER, 4, .help = "noise under the galaxies over the noise stamps'",
      .with_error = true},
     {"stamps", TABLE_INTEGER, 0, .help = "that were measured, of both signs"},
@@ -157,8 +154,6 @@ static bool conclude(table *t, const parameter_values *snrs, const flaw_row *row
 static void tabulate(table *t, const parameter_values *snrs, const flaw_row *rows, int n) {
     int met = 0;
     table_columns(t, columns);
-    table_components(t, components);
-    table_columns(t, columns_of_both);
     for (int row = 0; row < n; row++) {
         for (int i = 0; i < snrs->n * N_WAYS; i++)
             add_row(t, rows[row].flaw, snrs->v[i / N_WAYS], i % N_WAYS, &rows[row].out[i]);

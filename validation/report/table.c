@@ -23,9 +23,9 @@ typedef struct made_column {
     int width;
 } made_column;
 
+/* A value for people and for programs. */
 typedef struct cell {
-    double number;
-    char text[MAX_CELL];
+    char text[MAX_CELL], exact[MAX_CELL];
 } cell;
 
 typedef struct meta {
@@ -72,28 +72,39 @@ static void add_column(table *t, const column *of, const char *suffix, const cha
         *mark = component;
 }
 
-static void add_columns(table *t, const column *columns, char component) {
-    for (const column *c = columns; c->name != NULL; c++) {
-        add_column(t, c, "", c->help, component);
-        if (c->with_error)
-            add_column(t, c, "_err", "its 1-sigma error", component);
-    }
+static void add_with_error(table *t, const column *c, char component) {
+    add_column(t, c, "", c->help, component);
+    if (c->with_error)
+        add_column(t, c, "_err", "its 1-sigma error", component);
 }
 
 void table_columns(table *t, const column *columns) {
-    add_columns(t, columns, '#');
+    for (const column *c = columns; c->name != NULL;) {
+        int n = 0; /* columns of each component */
+        while (c[n].name != NULL && strchr(c[n].name, '#') != NULL)
+            n++;
+        for (int i = 0; i < 2 * n; i++)
+            add_with_error(t, &c[i % n], i < n ? '1' : '2');
+        if (n == 0)
+            add_with_error(t, c, '#');
+        c += n > 0 ? n : 1;
+    }
 }
 
-void table_components(table *t, const column *columns) {
-    add_columns(t, columns, '1');
-    add_columns(t, columns, '2');
+/* Return the column of the next cell. */
+static made_column *next_column(table *t) {
+    return &t->columns[t->n % (size_t)t->n_columns];
 }
 
-static cell *next_cell(table *t, made_column **c) {
+static void add_cell(table *t, const char *text, const char *exact) {
+    made_column *c = next_column(t);
+    const int width = (int)strlen(text);
     if (!ARRAY_RESERVE(t->cells, t->capacity, t->n + 1))
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for a table");
-    *c = &t->columns[t->n % (size_t)t->n_columns];
-    return &t->cells[t->n++];
+    cell *next = &t->cells[t->n++];
+    text_set(next->text, sizeof next->text, text);
+    text_set(next->exact, sizeof next->exact, exact);
+    c->width = width > c->width ? width : c->width;
 }
 
 /* Format a number for the printed table. */
@@ -109,29 +120,24 @@ static void format_cell(const column *c, double value, char *buf) {
     }
 }
 
-static void widen(made_column *c, const char *text) {
-    const int width = (int)strlen(text);
-    c->width = width > c->width ? width : c->width;
-}
-
 void table_add_numbers(table *t, size_t n, const double *values) {
     for (size_t i = 0; i < n; i++) {
-        made_column *c = NULL;
-        cell *next = next_cell(t, &c);
-        assert(c->of->kind != TABLE_TEXT);
-        next->number = values[i];
-        format_cell(c->of, values[i], next->text);
-        widen(c, next->text);
+        const column *c = next_column(t)->of;
+        char text[MAX_CELL];
+        char exact[MAX_CELL];
+        assert(c->kind != TABLE_TEXT);
+        format_cell(c, values[i], text);
+        snprintf(exact, sizeof exact, c->kind == TABLE_INTEGER ? "%.0f" : "%.10g", values[i]);
+        add_cell(t, text, exact);
     }
 }
 
 void table_add_texts(table *t, size_t n, const char *const *texts) {
     for (size_t i = 0; i < n; i++) {
-        made_column *c = NULL;
-        cell *next = next_cell(t, &c);
-        assert(c->of->kind == TABLE_TEXT);
-        text_set(next->text, sizeof next->text, texts[i]);
-        widen(c, next->text);
+        char quoted[MAX_CELL];
+        assert(next_column(t)->of->kind == TABLE_TEXT);
+        snprintf(quoted, sizeof quoted, "\"%s\"", texts[i]);
+        add_cell(t, texts[i], quoted);
     }
 }
 
@@ -159,30 +165,21 @@ void table_conclude(table *t, const char *format, ...) {
 
 /* ---- writing ---- */
 
-/* Writes one cell; the cells of a row are written in order, with `between` them. */
-typedef void cell_writer(FILE *out, const made_column *c, const cell *value);
-static void write_rows(const table *t, FILE *out, const char *between, cell_writer *write) {
-    for (size_t k = 0; k < t->n; k++) {
-        const int i = (int)(k % (size_t)t->n_columns);
-        write(out, &t->columns[i], &t->cells[k]);
-        fputs(i + 1 < t->n_columns ? between : "\n", out);
-    }
+static const char *end_of(const table *t, size_t i_cell, const char *between) {
+    return (i_cell + 1) % (size_t)t->n_columns != 0 ? between : "\n";
 }
 
-static void write_padded(FILE *out, const made_column *c, const char *text) {
-    fprintf(out, "%*s", c->of->kind == TABLE_TEXT ? -c->width : c->width, text);
-}
-
-static void write_for_people(FILE *out, const made_column *c, const cell *value) {
-    write_padded(out, c, value->text);
+static void print_padded(const table *t, size_t i_cell, const char *text, FILE *out) {
+    const made_column *c = &t->columns[i_cell % (size_t)t->n_columns];
+    fprintf(out, "%*s%s", c->of->kind == TABLE_TEXT ? -c->width : c->width, text,
+            end_of(t, i_cell, "  "));
 }
 
 void table_print(const table *t, FILE *out) {
-    for (int i = 0; i < t->n_columns; i++) {
-        write_padded(out, &t->columns[i], t->columns[i].name);
-        fputs(i + 1 < t->n_columns ? "  " : "\n", out);
-    }
-    write_rows(t, out, "  ", write_for_people);
+    for (int i = 0; i < t->n_columns; i++)
+        print_padded(t, (size_t)i, t->columns[i].name, out);
+    for (size_t i = 0; i < t->n; i++)
+        print_padded(t, i, t->cells[i].text, out);
     for (int i = 0; i < t->n_meta; i++) {
         if (strcmp(t->meta[i].key, "verdict") == 0)
             fprintf(out, "%s\n", t->meta[i].text);
@@ -227,23 +224,14 @@ static void write_meta(const table *t, FILE *out) {
     }
 }
 
-static void write_for_programs(FILE *out, const made_column *c, const cell *value) {
-    if (c->of->kind == TABLE_TEXT) {
-        fprintf(out, "\"%s\"", value->text);
-    } else if (c->of->kind == TABLE_INTEGER) {
-        fprintf(out, "%.0f", value->number);
-    } else {
-        fprintf(out, "%.10g", value->number);
-    }
-}
-
 static void write_ecsv(const table *t, FILE *out) {
     write_columns(t, out);
     write_meta(t, out);
     fputs("# schema: astropy-2.0\n", out);
     for (int i = 0; i < t->n_columns; i++)
-        fprintf(out, "%s%s", t->columns[i].name, i + 1 < t->n_columns ? " " : "\n");
-    write_rows(t, out, " ", write_for_programs);
+        fprintf(out, "%s%s", t->columns[i].name, end_of(t, (size_t)i, " "));
+    for (size_t i = 0; i < t->n; i++)
+        fprintf(out, "%s%s", t->cells[i].exact, end_of(t, i, " "));
 }
 
 static _Noreturn void fail(const char *path) {

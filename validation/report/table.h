@@ -16,7 +16,7 @@ void table_free(table *t);
 enum table_kind { TABLE_NUMBER = 0, TABLE_INTEGER, TABLE_TEXT };
 
 typedef struct column {
-    const char *name; /* "#" is replaced by the component in table_components */
+    const char *name; /* "#": a column for each component, whose number replaces it */
     enum table_kind kind;
     int digits; /* decimals in the printed text; negative: significant digits */
     const char *help;
@@ -24,10 +24,9 @@ typedef struct column {
     const char *unit;
 } column;
 
-/* Append columns; the array ends with one without a name. */
+/* Append columns; the array ends with one without a name. Neighbouring columns with "#" are
+ * appended for component 1, then again for component 2. */
 void table_columns(table *t, const column *columns);
-/* Append the columns for component 1, then for component 2. */
-void table_components(table *t, const column *columns);
 
 /* Append cells with numbers and integers: table_numbers(t, a, b, ...). */
 #define table_numbers(t, ...)                                                                      \
