@@ -2,6 +2,7 @@
 #include "engine/brightness.h"
 
 #include "engine/must.h"
+#include "engine/population.h"
 #include "engine/sample.h"
 
 #include <assert.h>
@@ -11,17 +12,9 @@
 
 enum { TILE = 4, PROBES = 64 };
 
-/* Return a number in [0, 1) for (seed, index), by splitmix64. */
-static double uniform(uint64_t seed, uint64_t index) {
-    uint64_t z = seed * UINT64_C(0x9E3779B97F4A7C15) + (index + 1) * UINT64_C(0xD1B54A32D192ED03);
-    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
-    z ^= z >> 31;
-    return (double)(z >> 11) / 9007199254740992.0;
-}
-
 double brightness_flux(const brightness *b, uint64_t seed, int64_t galaxy) {
-    const double u = uniform(seed, (uint64_t)galaxy);
+    const double u = dice_mixed(seed * UINT64_C(0x9E3779B97F4A7C15) +
+                                ((uint64_t)galaxy + 1) * UINT64_C(0xD1B54A32D192ED03));
     const double power = 1.0 - b->slope;
     if (fabs(power) < 1e-9)
         return pow(b->range, u);
@@ -57,10 +50,7 @@ struct brightness_stamps {
 
 static void worker_init(worker *w, const brightness_stamps *s) {
     double **const parts[] = {&w->bare, &w->none, &w->first, &w->second, &w->galaxy, &w->noise};
-    const size_t n = sizeof parts / sizeof parts[0];
-    double *images = must_allocate(n * TILE * s->pixels, sizeof *images, "stamps");
-    for (size_t i = 0; i < n; i++)
-        *parts[i] = images + i * TILE * s->pixels;
+    must_allocate_arrays(sizeof parts / sizeof parts[0], parts, TILE * s->pixels, "stamps");
     must(shear_workspace_new(&w->ws, s->plan, &must_error));
 }
 
@@ -85,7 +75,7 @@ void brightness_stamps_free(brightness_stamps *s) {
         return;
     for (int i = 0; i < s->n_workers; i++) {
         shear_workspace_free(s->workers[i].ws);
-        free(s->workers[i].bare); /* one allocation for all images */
+        free(s->workers[i].bare);
     }
     free(s->workers);
     shear_plan_free(s->plan);

@@ -31,7 +31,7 @@ typedef struct parameter {
     const char *name;   /* as in --name */
     const char *preset; /* the default, as text */
     double min, max;    /* inclusive, for each value */
-    bool many;          /* a list, separated by commas */
+    int most;           /* values, separated by commas; 1: a number */
     const char *help;   /* one line */
 } parameter;
 

@@ -57,23 +57,29 @@ void jackknife_unpack(const double *packed, shear_block_sums *sums) {
     memcpy(sums->lo, packed + 2 + SHEAR_N_FLAGS + SHEAR_N_TERMS, sizeof sums->lo);
 }
 
-jackknife_shear jackknife_shear_of(const jackknife_sums *s, int series, bool by_groups,
-                                   const double truth[2]) {
+shear_result jackknife_result(const shear_block_sums *blocks, int n, int groups) {
     shear_result r;
     shear_field_sums *field = NULL;
     shear_jackknife *jack = NULL;
     must(shear_field_sums_new(&field, &must_error));
-    for (int i = 0; i < s->groups; i++)
-        shear_field_sums_add(field, jackknife_sums_at(s, series, i));
+    for (int i = 0; i < n; i++)
+        shear_field_sums_add(field, &blocks[i]);
     shear_field_result(field, &r);
-    if (by_groups) {
-        must(shear_jackknife_new(&jack, s->groups, &must_error));
-        for (int i = 0; i < s->groups; i++)
-            must(shear_jackknife_add(jack, jackknife_sums_at(s, series, i), &must_error));
+    if (groups > 0) {
+        must(shear_jackknife_new(&jack, groups, &must_error));
+        for (int i = 0; i < n; i++)
+            must(shear_jackknife_add(jack, &blocks[i], &must_error));
         must(shear_jackknife_finish(jack, &r, &must_error));
     }
     shear_jackknife_free(jack);
     shear_field_sums_free(field);
+    return r;
+}
+
+jackknife_shear jackknife_shear_of(const jackknife_sums *s, int series, bool by_groups,
+                                   const double truth[2]) {
+    const shear_block_sums *groups = jackknife_sums_at(s, series, 0);
+    const shear_result r = jackknife_result(groups, s->groups, by_groups ? s->groups : 0);
     return (jackknife_shear){.g = {r.g1, r.g2},
                              .err = {r.g1_err, r.g2_err},
                              .pull = {(r.g1 - truth[0]) / r.g1_err, (r.g2 - truth[1]) / r.g2_err}};

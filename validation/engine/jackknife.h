@@ -37,6 +37,9 @@ typedef struct jackknife_shear {
 } jackknife_shear;
 jackknife_shear jackknife_shear_of(const jackknife_sums *s, int series, bool by_groups,
                                    const double truth[2]);
+/* Return the result of n blocks, with errors by the jackknife over `groups` groups of them; 0: by
+ * the delta method. */
+shear_result jackknife_result(const shear_block_sums *blocks, int n, int groups);
 
 /* The part of a series' sums that a function of the totals may use. */
 typedef struct jackknife_total {

@@ -43,3 +43,9 @@ void *must_allocate(size_t n, size_t size, const char *what) {
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for %s", what);
     return made;
 }
+
+void must_allocate_arrays(size_t n, double **const arrays[], size_t size, const char *what) {
+    double *first = must_allocate(n * size, sizeof *first, what);
+    for (size_t i = 0; i < n; i++)
+        *arrays[i] = first + i * size;
+}

@@ -23,3 +23,6 @@ _Noreturn void must_fail(int code, const char *advice, const char *format, ...)
 /* Return zeroed memory of n elements, at least one, to be freed by the caller. `what` is for the
  * error message. */
 void *must_allocate(size_t n, size_t size, const char *what);
+
+/* Set n pointers to zeroed arrays of `size` doubles each, in one allocation: that of the first. */
+void must_allocate_arrays(size_t n, double **const arrays[], size_t size, const char *what);

@@ -46,7 +46,7 @@ static double parse_number(const char *name, const char *text, char **end, doubl
 }
 
 static void parse_parameter(const parameter *p, const char *text, parameter_values *out) {
-    const int most = p->many ? MAX_VALUES : 1;
+    const int most = p->most > 1 ? MAX_VALUES : 1;
     char *end = NULL;
     out->n = 0;
     const char *at = text;
@@ -59,6 +59,14 @@ static void parse_parameter(const parameter *p, const char *text, parameter_valu
     if (*end != '\0') {
         must_fail(SHEAR_E_SETTING, NULL, "option '--%s': '%s' is not a list of numbers", p->name,
                   text);
+    }
+}
+
+static void check_counts(const options *o) {
+    const parameter *p = o->experiment->parameters;
+    for (int i = 0; p != NULL && p[i].name != NULL; i++) {
+        if (o->parameters[i].n > p[i].most)
+            must_fail(SHEAR_E_SETTING, NULL, "option '--%s': at most %d", p[i].name, p[i].most);
     }
 }
 
@@ -276,6 +284,7 @@ void options_parse(options *o, const experiment *e, int argc, char **argv) {
     }
     if (optind < argc)
         must_fail(SHEAR_E_SETTING, NULL, "unexpected argument '%s'", argv[optind]);
+    check_counts(o);
 }
 
 /* ---- text ---- */

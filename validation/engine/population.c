@@ -25,9 +25,13 @@ dice dice_begin(uint64_t seed, enum dice_purpose purpose, int64_t index) {
     return (dice){.state = mix(s + (uint64_t)index * UINT64_C(0xA24BAED4963EE407))};
 }
 
+double dice_mixed(uint64_t z) {
+    return (double)(mix(z) >> 11) / 9007199254740992.0;
+}
+
 double dice_uniform(dice *d) {
     d->state += golden;
-    return (double)(mix(d->state) >> 11) / 9007199254740992.0;
+    return dice_mixed(d->state);
 }
 
 void dice_normal(dice *d, int n, double *out) {

@@ -28,6 +28,8 @@ typedef struct dice {
 } dice;
 dice dice_begin(uint64_t seed, enum dice_purpose purpose, int64_t index);
 double dice_uniform(dice *d); /* in [0, 1) */
+/* Return the number in [0, 1) that the bits of z, well mixed, give. */
+double dice_mixed(uint64_t z);
 /* Draw n Gaussian numbers of unit variance. */
 void dice_normal(dice *d, int n, double *out);
 

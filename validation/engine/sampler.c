@@ -12,7 +12,7 @@
 /* Stamps that a thread draws at once: a multiple of 4, so that rotated copies stay together. */
 enum { TILE = 8 };
 
-/* The images and workspaces of one thread. */
+/* The images, in one allocation, and the workspaces of one thread. */
 typedef struct worker {
     double *galaxy, *noise;           /* [TILE][ny][nx] of the current scene */
     double *shared, *shared_n, *bare; /* the same size: shared noise of both stamps; scratch */
@@ -146,13 +146,8 @@ static void make_mocks(sampler *s) {
 }
 
 static void worker_init(worker *w, const sampler *s) {
-    const size_t n = TILE * s->pixels;
-    const size_t shared = s->of.noise != NULL ? n : 0;
-    w->galaxy = must_allocate(n, sizeof *w->galaxy, "stamps");
-    w->noise = must_allocate(n, sizeof *w->noise, "stamps");
-    w->shared = must_allocate(shared, sizeof *w->shared, "stamps");
-    w->shared_n = must_allocate(shared, sizeof *w->shared_n, "stamps");
-    w->bare = must_allocate(shared, sizeof *w->bare, "stamps");
+    double **const images[] = {&w->galaxy, &w->noise, &w->shared, &w->shared_n, &w->bare};
+    must_allocate_arrays(sizeof images / sizeof images[0], images, TILE * s->pixels, "stamps");
     w->workspaces = must_allocate((size_t)s->n_plans, sizeof(shear_workspace *), "workspaces");
     for (int i = 0; i < s->n_plans; i++)
         must(shear_workspace_new(&w->workspaces[i], s->plans[i], &must_error));
@@ -163,10 +158,6 @@ static void worker_deinit(worker *w, int n_plans) {
         shear_workspace_free(w->workspaces[i]);
     free(w->workspaces);
     free(w->galaxy);
-    free(w->noise);
-    free(w->shared);
-    free(w->shared_n);
-    free(w->bare);
 }
 
 sampler *sampler_new(const sample *what, int64_t stamps, int threads) {

@@ -25,7 +25,7 @@ struct trial_stamps {
     light **lights; /* [threads] */
     int64_t first;
     int count, capacity;
-    double *bare[2];   /* [capacity][pixels] noise-free, +g and -g, sum of squares 1 */
+    double *bare[2];   /* [capacity][pixels] noise-free, +g and -g, sum of squares 1; owns all */
     double *noise[2];  /* the same size: unit noise of the galaxy and of the noise stamp */
     double *stamps[2]; /* the same size: the stamps of the file */
     double *weight, *r_gal, *psf; /* [capacity], [capacity], one image */
@@ -65,11 +65,9 @@ trial_stamps *trial_stamps_new(const trial *t, int most) {
     s->pixels = (size_t)f->side * (size_t)f->side;
     s->threads = t->threads > 0 ? t->threads : omp_get_max_threads();
     s->lights = must_allocate((size_t)s->threads, sizeof(light *), "threads");
-    for (int i = 0; i < 2; i++) {
-        s->bare[i] = must_allocate(count * s->pixels, sizeof(double), "stamps");
-        s->noise[i] = must_allocate(count * s->pixels, sizeof(double), "stamps");
-        s->stamps[i] = must_allocate(count * s->pixels, sizeof(double), "stamps");
-    }
+    double **const images[] = {&s->bare[0],  &s->bare[1],   &s->noise[0],
+                               &s->noise[1], &s->stamps[0], &s->stamps[1]};
+    must_allocate_arrays(6, images, count * s->pixels, "stamps");
     s->weight = must_allocate(count, sizeof(double), "stamps");
     s->r_gal = must_allocate(count, sizeof(double), "stamps");
     s->psf_id = must_allocate(count, sizeof(int32_t), "stamps");
@@ -82,11 +80,7 @@ trial_stamps *trial_stamps_new(const trial *t, int most) {
 void trial_stamps_free(trial_stamps *s) {
     for (int i = 0; i < s->threads; i++)
         light_free(s->lights[i]);
-    for (int i = 0; i < 2; i++) {
-        free(s->bare[i]);
-        free(s->noise[i]);
-        free(s->stamps[i]);
-    }
+    free(s->bare[0]);
     free(s->weight);
     free(s->r_gal);
     free(s->psf_id);

@@ -11,10 +11,10 @@
 #include <stdlib.h>
 
 static const parameter parameters[] = {
-    {"ranges", "1,3,10,30,100", 1, 1e6, true, "largest flux over the smallest"},
-    {"slope", "2.5", 0, 10, false, "of the fluxes' power law, dn/dF ~ F^-slope"},
-    {"snr", "10", 0.1, 1e6, false, "signal-to-noise of the faintest, where there is noise"},
-    {"bias-snr", "5,7,10,20,40", 0.1, 1e6, true, "of equal galaxies, for the bias"},
+    {"ranges", "1,3,10,30,100", 1, 1e6, MAX_VALUES, "largest flux over the smallest"},
+    {"slope", "2.5", 0, 10, 1, "of the fluxes' power law, dn/dF ~ F^-slope"},
+    {"snr", "10", 0.1, 1e6, 1, "signal-to-noise of the faintest, where there is noise"},
+    {"bias-snr", "5,7,10,20,40", 0.1, 1e6, MAX_VALUES, "of equal galaxies, for the bias"},
     {0}};
 
 static int64_t stamps(const options *o) {

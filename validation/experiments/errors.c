@@ -12,10 +12,10 @@
 enum { N_WAYS = 2, PER_FIELD = 6, BINS = 60 };
 
 static const parameter parameters[] = {
-    {"lengths", "50,100,200,500,1000,2000", 20, 1e5, true,
+    {"lengths", "50,100,200,500,1000,2000", 20, 1e5, MAX_VALUES,
      "galaxies in a field; each divides the last"},
-    {"pictured", "500", 20, 1e5, false, "the length whose pulls are drawn"},
-    {"jackknife", "50", 2, 1e5, false, "groups of the jackknife, where a field has so many blocks"},
+    {"pictured", "500", 20, 1e5, 1, "the length whose pulls are drawn"},
+    {"jackknife", "50", 2, 1e5, 1, "groups of the jackknife, where a field has so many blocks"},
     {0}};
 
 static const char *const ways[N_WAYS] = {"delta", "jackknife"};
@@ -70,29 +70,22 @@ static int64_t stamps(const options *o) {
 
 /* Measure one field: g1, g2, errors of the delta method, errors of the jackknife. */
 static void measure_field(const shear_row *rows, int n, int groups, double out[PER_FIELD]) {
-    shear_field_sums *sums = NULL;
-    shear_jackknife *jack = NULL;
-    shear_result result;
-    must(shear_field_sums_new(&sums, &must_error));
-    must(shear_jackknife_new(&jack, groups, &must_error));
-    for (int from = 0; from < n; from += SHEAR_BLOCK) {
-        shear_block_sums block;
-        shear_block_sums_init(&block);
-        for (int i = from; i < n && i < from + SHEAR_BLOCK; i++)
-            shear_block_sums_add(&block, &rows[i]);
-        shear_field_sums_add(sums, &block);
-        must(shear_jackknife_add(jack, &block, &must_error));
+    const int n_blocks = (n + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    shear_block_sums *blocks = must_allocate((size_t)n_blocks, sizeof *blocks, "sums");
+    for (int i = 0; i < n; i++) {
+        if (i % SHEAR_BLOCK == 0)
+            shear_block_sums_init(&blocks[i / SHEAR_BLOCK]);
+        shear_block_sums_add(&blocks[i / SHEAR_BLOCK], &rows[i]);
     }
-    shear_field_result(sums, &result);
-    out[0] = result.g1;
-    out[1] = result.g2;
-    out[2] = result.g1_err;
-    out[3] = result.g2_err;
-    must(shear_jackknife_finish(jack, &result, &must_error));
-    out[4] = result.g1_err;
-    out[5] = result.g2_err;
-    shear_jackknife_free(jack);
-    shear_field_sums_free(sums);
+    const shear_result delta = jackknife_result(blocks, n_blocks, 0);
+    const shear_result jackknife = jackknife_result(blocks, n_blocks, groups);
+    out[0] = delta.g1;
+    out[1] = delta.g2;
+    out[2] = delta.g1_err;
+    out[3] = delta.g2_err;
+    out[4] = jackknife.g1_err;
+    out[5] = jackknife.g2_err;
+    free(blocks);
 }
 
 typedef struct chunked {

@@ -17,7 +17,8 @@ static const double disks_px[N_DISKS] = {0.0, 0.5, 1.0, 2.0}; /* half-light radi
 static const double power_step = 0.05;                        /* step of k, per px */
 
 static const parameter parameters[] = {
-    {"radii", "0.3,0.35,0.4,0.45,0.5,0.6,0.7,0.8,0.9,1,1.2", 0.2, 4, true, "R_PSF, pixels"}, {0}};
+    {"radii", "0.3,0.35,0.4,0.45,0.5,0.6,0.7,0.8,0.9,1,1.2", 0.2, 4, MAX_VALUES, "R_PSF, pixels"},
+    {0}};
 
 static int64_t stamps(const options *o) {
     return SIGNS * o->galaxies * options_list(o, "radii")->n;

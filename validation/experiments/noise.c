@@ -10,8 +10,9 @@
 #include <stdlib.h>
 
 static const parameter parameters[] = {
-    {"ratios", "0.02,0.05,0.1,0.2,0.5,1,1.5", 1e-6, 1e3, true, "the values of I_N/I_G"},
-    {"pictured", "0.02,0.1,0.5,1.5", 1e-6, 1e3, true, "those of the sample images, at most four"},
+    {"ratios", "0.02,0.05,0.1,0.2,0.5,1,1.5", 1e-6, 1e3, MAX_VALUES, "the values of I_N/I_G"},
+    {"pictured", "0.02,0.1,0.5,1.5", 1e-6, 1e3, MAX_VALUES,
+     "those of the sample images, at most four"},
     {0}};
 
 static int64_t stamps(const options *o) {

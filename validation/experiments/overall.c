@@ -12,18 +12,15 @@
 enum { N_PANELS = 4, N_BEST = 2, MAX_SIZES = 8, ROW = 210 };
 
 static const parameter parameters[] = {
-    {"sizes", "2.5,5,7.5,10", 0.5, 50, true, "R_G over R_PSF"},
-    {"ratios", "0.1,0.5,0.6,0.2", 0, 100, true, "I_N/I_G of the four panels"},
-    {"step", "0.075", 0.001, 1, false, "step of the irregular galaxies' random walk over R_G"},
+    {"sizes", "2.5,5,7.5,10", 0.5, 50, MAX_SIZES, "R_G over R_PSF"},
+    {"ratios", "0.1,0.5,0.6,0.2", 0, 100, MAX_VALUES, "I_N/I_G of the four panels"},
+    {"step", "0.075", 0.001, 1, 1, "step of the irregular galaxies' random walk over R_G"},
     {0}};
 
 static int64_t stamps(const options *o) {
-    const int sizes = options_list(o, "sizes")->n;
-    if (sizes > MAX_SIZES)
-        must_fail(SHEAR_E_SETTING, NULL, "option '--sizes': at most %d", MAX_SIZES);
     if (options_list(o, "ratios")->n != N_PANELS)
         must_fail(SHEAR_E_SETTING, NULL, "option '--ratios': %d are needed", N_PANELS);
-    return o->galaxies * N_PANELS * sizes;
+    return o->galaxies * N_PANELS * options_list(o, "sizes")->n;
 }
 
 static const struct {

@@ -12,18 +12,15 @@
 enum { MAX_SIZES = 3 };
 
 static const parameter parameters[] = {
-    {"ratios", "0.25,0.5,0.75,1,1.25,1.5,2,2.5,3", 0.05, 8, true, "pixel size over R_PSF"},
-    {"sizes", "6.67,3.33,1.67", 0.5, 50, true, "R_G over R_PSF, at most three"},
-    {"step", "0.075", 0.001, 1, false, "step of the random walk over R_G"},
-    {"beta", "1.33333333333333333", 0.5, 10, false, "beta over R_PSF"},
-    {"coarse", "1", 0, 1, false, "1: also with the PSF as coarse as the pixels"},
+    {"ratios", "0.25,0.5,0.75,1,1.25,1.5,2,2.5,3", 0.05, 8, MAX_VALUES, "pixel size over R_PSF"},
+    {"sizes", "6.67,3.33,1.67", 0.5, 50, MAX_SIZES, "R_G over R_PSF, at most three"},
+    {"step", "0.075", 0.001, 1, 1, "step of the random walk over R_G"},
+    {"beta", "1.33333333333333333", 0.5, 10, 1, "beta over R_PSF"},
+    {"coarse", "1", 0, 1, 1, "1: also with the PSF as coarse as the pixels"},
     {0}};
 
 static int64_t stamps(const options *o) {
-    const int sizes = options_list(o, "sizes")->n;
-    if (sizes > MAX_SIZES)
-        must_fail(SHEAR_E_SETTING, NULL, "option '--sizes': at most %d", MAX_SIZES);
-    return o->galaxies * sizes * (options_list(o, "ratios")->n + 1);
+    return o->galaxies * options_list(o, "sizes")->n * (options_list(o, "ratios")->n + 1);
 }
 
 /* Return how many of enum psf_sampling are measured. */

@@ -32,10 +32,11 @@ static const enum shear_estimator estimators[N_ESTIMATORS] = {SHEAR_ESTIMATOR_ME
                                                               SHEAR_ESTIMATOR_PDF_SYM};
 
 static const parameter parameters[] = {
-    {"kept", "1,0.9,0.8,0.7,0.6,0.5,0.4,0.3", 0.05, 1, true, "parts of the stamps that are kept"},
-    {"faintest", "3.2", 1, 1e6, false, "signal-to-noise of the faintest galaxies, as in GREAT3"},
-    {"range", "10", 1, 1e6, false, "largest over smallest; even in the logarithm between"},
-    {"aperture", "3", 0.5, 20, false, "sigma of the round Gaussian aperture, pixels"},
+    {"kept", "1,0.9,0.8,0.7,0.6,0.5,0.4,0.3", 0.05, 1, MAX_VALUES,
+     "parts of the stamps that are kept"},
+    {"faintest", "3.2", 1, 1e6, 1, "signal-to-noise of the faintest galaxies, as in GREAT3"},
+    {"range", "10", 1, 1e6, 1, "largest over smallest; even in the logarithm between"},
+    {"aperture", "3", 0.5, 20, 1, "sigma of the round Gaussian aperture, pixels"},
     {0}};
 
 static int64_t stamps(const options *o) {

@@ -13,13 +13,13 @@
 enum { N_PANELS = 3, N_SHEARS = 5, N_WAYS = 3 };
 
 static const parameter parameters[] = {
-    {"snrs", "0.01,0.1,1", 1e-6, 1e4, true,
+    {"snrs", "0.01,0.1,1", 1e-6, 1e4, MAX_VALUES,
      "mean surface brightness, galaxy over background: the three panels"},
-    {"photons-1", "1e3,1e4,1e5,1e6,1e7", 1e-3, 1e8, true,
+    {"photons-1", "1e3,1e4,1e5,1e6,1e7", 1e-3, 1e8, MAX_VALUES,
      "background photons per pixel of the first panel"},
-    {"photons-2", "1e2,1e3,1e4,1e5,1e6", 1e-3, 1e8, true, "of the second"},
-    {"photons-3", "3,10,1e2,1e3,1e4", 1e-3, 1e8, true, "of the third"},
-    {"reach", "0.04", 1e-4, 0.5, false, "largest component of the five shears"},
+    {"photons-2", "1e2,1e3,1e4,1e5,1e6", 1e-3, 1e8, MAX_VALUES, "of the second"},
+    {"photons-3", "3,10,1e2,1e3,1e4", 1e-3, 1e8, MAX_VALUES, "of the third"},
+    {"reach", "0.04", 1e-4, 0.5, 1, "largest component of the five shears"},
     {0}};
 
 static const parameter_values *exposures(const options *o, int panel) {

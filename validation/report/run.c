@@ -5,31 +5,20 @@
 
 #include <assert.h>
 #include <omp.h>
-#include <stdlib.h>
+#include <stdio.h>
 
-enum { MAX_FIGURES = 4 };
 static const double margin = 8.0; /* around the panels, pixels */
-
-struct run_figures {
-    int n;
-    const char *suffix[MAX_FIGURES];
-    shear_figure *figure[MAX_FIGURES];
-};
 
 void run_begin(run *r, const options *o) {
     const int64_t stamps = o->experiment->stamps(o);
-    *r = (run){.options = o,
-               .cache = cache_open(o, stamps),
-               .table = table_new(o),
-               .figures = must_allocate(1, sizeof *r->figures, "figures")};
+    *r = (run){.options = o, .cache = cache_open(o, stamps), .table = table_new(o)};
 }
 
 shear_figure *run_figure(run *r, const char *suffix, int width, int height) {
-    run_figures *f = r->figures;
-    assert(f->n < MAX_FIGURES);
-    f->suffix[f->n] = suffix;
-    must(shear_figure_new(&f->figure[f->n], width, height, &must_error));
-    return f->figure[f->n++];
+    assert(r->n_figures < RUN_MAX_FIGURES);
+    r->suffixes[r->n_figures] = suffix;
+    must(shear_figure_new(&r->figures[r->n_figures], width, height, &must_error));
+    return r->figures[r->n_figures++];
 }
 
 panels run_panels(run *r, const char *suffix, int width, int height, shear_grid grid) {
@@ -53,13 +42,12 @@ void run_end(run *r) {
     table_print(r->table, stdout);
     table_save(r->table, o);
     printf("wrote %s\n", options_path(o, NULL, "ecsv", path));
-    for (int i = 0; i < r->figures->n; i++) {
-        options_path(o, r->figures->suffix[i], "png", path);
-        must(shear_figure_save(r->figures->figure[i], path, true, &must_error));
+    for (int i = 0; i < r->n_figures; i++) {
+        options_path(o, r->suffixes[i], "png", path);
+        must(shear_figure_save(r->figures[i], path, true, &must_error));
         printf("wrote %s\n", path);
-        shear_figure_free(r->figures->figure[i]);
+        shear_figure_free(r->figures[i]);
     }
-    free(r->figures);
     table_free(r->table);
     cache_close(r->cache);
 }

@@ -6,13 +6,15 @@
 #include "report/chart.h"
 #include "report/table.h"
 
-typedef struct run_figures run_figures;
+enum { RUN_MAX_FIGURES = 4 };
 
 typedef struct run {
     const options *options;
     cache *cache;
     table *table;
-    run_figures *figures;
+    int n_figures;
+    const char *suffixes[RUN_MAX_FIGURES];
+    shear_figure *figures[RUN_MAX_FIGURES];
 } run;
 
 /* Open the cache and begin a table. */
