@@ -14,17 +14,13 @@ typedef struct stream {
     shear_field_sums *sums;
 } stream;
 
-static int open_stream(stream *s, const char *path, shear_error *err) {
-    int code = shear_field_open(&s->field, path, err);
-    if (code != SHEAR_OK)
-        return code;
+static bool open_stream(stream *s, const char *path, shear_error *err) {
     shear_settings settings;
     shear_settings_init(&settings);
-    code = shear_plan_for_field(&s->plan, &settings, s->field, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_block_new(&s->block, shear_field_get_info(s->field), STAMPS, err);
-    return code != SHEAR_OK ? code : shear_field_sums_new(&s->sums, err);
+    return shear_field_open(&s->field, path, err) == SHEAR_OK &&
+           shear_plan_for_field(&s->plan, &settings, s->field, err) == SHEAR_OK &&
+           shear_block_new(&s->block, shear_field_get_info(s->field), STAMPS, err) == SHEAR_OK &&
+           shear_field_sums_new(&s->sums, err) == SHEAR_OK;
 }
 
 static void close_stream(stream *s) {
@@ -46,30 +42,26 @@ static void add_rows(shear_field_sums *sums, const shear_row *rows, int count) {
     }
 }
 
-static int measure(stream *s, int64_t first, int count, shear_error *err) {
+static bool measure(stream *s, int64_t first, int count, shear_error *err) {
     shear_row rows[STAMPS];
-    int code = shear_field_read(s->field, first, count, s->block, err);
-    if (code != SHEAR_OK)
-        return code;
-    code = shear_measure_batch(s->plan, &s->block->stamps, 0, NULL, rows, err);
-    if (code != SHEAR_OK)
-        return code;
+    if (shear_field_read(s->field, first, count, s->block, err) != SHEAR_OK ||
+        shear_measure_batch(s->plan, &s->block->stamps, 0, NULL, rows, err) != SHEAR_OK) {
+        return false;
+    }
     add_rows(s->sums, rows, count);
-    return SHEAR_OK;
+    return true;
 }
 
-static int run(stream *s, const char *path, shear_result *result, shear_error *err) {
-    int code = open_stream(s, path, err);
-    if (code != SHEAR_OK)
-        return code;
+static bool run(stream *s, const char *path, shear_result *result, shear_error *err) {
+    if (!open_stream(s, path, err))
+        return false;
     const int64_t n = shear_field_get_info(s->field)->n_stamps;
     for (int64_t first = 0; first < n; first += STAMPS) {
-        code = measure(s, first, n - first < STAMPS ? (int)(n - first) : STAMPS, err);
-        if (code != SHEAR_OK)
-            return code;
+        if (!measure(s, first, n - first < STAMPS ? (int)(n - first) : STAMPS, err))
+            return false;
     }
     shear_field_result(s->sums, result);
-    return SHEAR_OK;
+    return true;
 }
 
 int main(int argc, char **argv) {
@@ -80,9 +72,9 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: streaming FIELD.fits\n");
         return EXIT_FAILURE;
     }
-    const int code = run(&s, argv[1], &result, &err);
+    const bool done = run(&s, argv[1], &result, &err);
     close_stream(&s);
-    if (code != SHEAR_OK) {
+    if (!done) {
         fprintf(stderr, "%s (%s)\n", err.message, err.advice);
         return EXIT_FAILURE;
     }

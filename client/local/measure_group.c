@@ -136,10 +136,8 @@ static int gathering_init(gathering *to, const measure_group *g, const measure_o
                           shear_error *err) {
     const bool wanted = estimators_wanted(count_stamps(g), o->settings.values.estimator);
     TRY(shear_field_sums_new(&to->sums, err));
-    int code = wanted ? shear_symmetry_new(&to->terms, err) : SHEAR_OK;
-    return code != SHEAR_OK || o->jackknife == 0
-               ? code
-               : shear_jackknife_new(&to->jack, (int)o->jackknife, err);
+    TRY(wanted ? shear_symmetry_new(&to->terms, err) : SHEAR_OK);
+    return o->jackknife == 0 ? SHEAR_OK : shear_jackknife_new(&to->jack, (int)o->jackknife, err);
 }
 
 static void gathering_deinit(gathering *to) {
@@ -168,10 +166,9 @@ static int run_all(measure_group *g, const measure_options *o, measure_input **o
     TRY(shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err));
     if (to.terms != NULL)
         check_weights(g, to.terms);
-    int code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
-    return code != SHEAR_OK || to.jack == NULL || *done == 0
-               ? code
-               : shear_jackknife_finish(to.jack, &g->result, err);
+    TRY(estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err));
+    return to.jack == NULL || *done == 0 ? SHEAR_OK
+                                         : shear_jackknife_finish(to.jack, &g->result, err);
 }
 
 /* Check the result. A field without a usable stamp is an error, but its counts are still shown. */

@@ -13,10 +13,9 @@ static int look_into(measure_input *input, const char *name, shear_error *err) {
     TRY(shear_field_open_input(&field, input->source, NULL, err));
     input->info = *shear_field_get_info(field);
     shear_field_close(field);
-    int code = shear_input_checksum(input->source, NULL, &input->info, input->checksum, err);
-    return code != SHEAR_OK || name != NULL
-               ? code
-               : shear_field_need_name(&input->info, measure_input_path(input), err);
+    TRY(shear_input_checksum(input->source, NULL, &input->info, input->checksum, err));
+    return name != NULL ? SHEAR_OK
+                        : shear_field_need_name(&input->info, measure_input_path(input), err);
 }
 
 /* Return whether an earlier file has the same content and field: counted twice, it would halve the

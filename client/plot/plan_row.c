@@ -80,12 +80,8 @@ static int profiles_init(profiles *p, const stamp_reader *b, const shear_inspect
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for profiles");
     for (int i = 1; i < N_PROFILES; i++)
         p->of[i] = p->of[i - 1] + p->bins;
-    for (int i = 0; i < 3; i++) {
-        const int code =
-            plot_radial_mean(p->of[PROFILE_POWER + i], p->bins, width, spectra[i], &modes, err);
-        if (code != SHEAR_OK)
-            return code;
-    }
+    for (int i = 0; i < 3; i++)
+        TRY(plot_radial_mean(p->of[PROFILE_POWER + i], p->bins, width, spectra[i], &modes, err));
     for (int i = 0; i < p->bins; i++) {
         const double k = i * width;
         p->of[PROFILE_K][i] = k;
@@ -180,10 +176,9 @@ int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b,
     CLEANUP(release_free) double *psf = NULL;
     TRY(stamp_reader_psf(&psf, b, err));
     draw_numbers(f, shear_grid_cell(&grid, 0, 3, 1, 1), b);
-    int code = draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err);
-    if (code != SHEAR_OK || !stamp->measured)
-        return code;
-    code = draw_transfer(f, shear_grid_cell(&grid, 0, 1, 1, 1), b, &stamp->steps, err);
-    return code != SHEAR_OK ? code
-                            : draw_profiles(f, shear_grid_cell(&grid, 0, 2, 1, 1), b, stamp, err);
+    TRY(draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err));
+    if (!stamp->measured)
+        return SHEAR_OK;
+    TRY(draw_transfer(f, shear_grid_cell(&grid, 0, 1, 1, 1), b, &stamp->steps, err));
+    return draw_profiles(f, shear_grid_cell(&grid, 0, 2, 1, 1), b, stamp, err);
 }

@@ -27,8 +27,8 @@ static int draw_row(shear_figure *f, stamp_reader *b, const shear_grid *grid, in
                               PLAN_ROW - 22.0 - PAD};
     CLEANUP(sheet_stamp_deinit) sheet_stamp stamp = {0};
     TRY(stamp_reader_read(b, index, &stamp, err));
-    int code = sheet_draw_stamp(f, grid, i, b, &stamp, err);
-    return code != SHEAR_OK || i > 0 ? code : sheet_draw_plan(f, below, b, &stamp, err);
+    TRY(sheet_draw_stamp(f, grid, i, b, &stamp, err));
+    return i > 0 ? SHEAR_OK : sheet_draw_plan(f, below, b, &stamp, err);
 }
 
 static int draw_stamps(shear_figure *f, stamp_reader *b, const int64_t *index, int n,

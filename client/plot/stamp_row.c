@@ -40,10 +40,7 @@ int sheet_cut_modes(plot_cut *cut, const double *modes, const stamp_reader *b,
                     const shear_inspection *steps, shear_error *err) {
     const plot_lattice lattice = sheet_modes(b, steps);
     const double k_cut = b->chosen->k_cut;
-    const int code =
-        plot_cut_init(cut, modes, &lattice, k_cut + fmax(lattice.step_x, lattice.step_y), err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(plot_cut_init(cut, modes, &lattice, k_cut + fmax(lattice.step_x, lattice.step_y), err));
     for (int j = 0; j < cut->ny; j++) {
         const double ky = cut->y.lo + (j + 0.5) * lattice.step_y;
         for (int i = 0; i < cut->nx; i++) {

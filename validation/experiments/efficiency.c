@@ -8,7 +8,6 @@
 #include "report/run.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const parameter parameters[] = {
     {"ranges", "1,3,10,30,100", 1, 1e6, MAX_VALUES, "largest flux over the smallest"},
@@ -117,12 +116,11 @@ static void draw(run *r, summary *s) {
 
 static void run_efficiency(run *r) {
     efficiency_fields f;
-    summary *s = must_allocate(1, sizeof *s, "results");
+    static summary s;
     efficiency_fields_init(&f, r->options, r->cache);
-    tabulate(r->table, &f, s);
-    draw(r, s);
+    tabulate(r->table, &f, &s);
+    draw(r, &s);
     efficiency_fields_deinit(&f);
-    free(s);
 }
 
 const experiment experiment_efficiency = {

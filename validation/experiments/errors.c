@@ -240,20 +240,18 @@ static void draw_pulls(shear_figure *f, shear_rect cell, const options *o, const
 }
 
 static void run_errors(run *r) {
-    outcome *out = must_allocate(1, sizeof *out, "results");
-    out->width[0] = (curve){"delta method", SHEAR_BLUE, .marker = SHEAR_DISC};
-    out->width[1] = (curve){"jackknife", SHEAR_VERMILION, .marker = SHEAR_SQUARE};
+    static outcome out = {.width = {{"delta method", SHEAR_BLUE, .marker = SHEAR_DISC},
+                                    {"jackknife", SHEAR_VERMILION, .marker = SHEAR_SQUARE}}};
     double *values = measure(r->options, r->cache);
-    tabulate(r, values, out);
+    tabulate(r, values, &out);
     const panels p =
         run_panels(r, NULL, 940, 400, (shear_grid){.rows = 1, .columns = 2, .gap_x = 12});
-    draw_pulls(p.figure, panels_cell(&p, 0), r->options, out);
+    draw_pulls(p.figure, panels_cell(&p, 0), r->options, &out);
     panels_draw(&p, 1,
                 &(chart){"width of the pulls", "galaxies in a field", "standard deviation",
                          .log_x = true, .truth = 1.0, .spread = 0.012, .n_curves = N_WAYS,
-                         .curves = out->width});
+                         .curves = out.width});
     free(values);
-    free(out);
 }
 
 const experiment experiment_errors = {

@@ -265,24 +265,23 @@ static void run_narrow(run *r) {
     const options *o = r->options;
     const parameter_values *radii = options_list(o, "radii");
     const powers own = find_powers(o);
-    points *all = must_allocate(1, sizeof *all, "results");
-    all->limit_px = find_limit(o);
-    for (; all->n < radii->n; all->n++) {
-        point *p = &all->of[all->n];
-        p->r_psf_px = radii->v[all->n];
+    static points all;
+    all.limit_px = find_limit(o);
+    for (; all.n < radii->n; all.n++) {
+        point *p = &all.of[all.n];
+        p->r_psf_px = radii->v[all.n];
         measure(o, r->cache, p);
         p->own = share_at(p->r_psf_px, p->beta_px[0], power_at, &own);
         for (int k = 0; k < N_DISKS; k++)
             p->disk[k] = share_at(p->r_psf_px, p->beta_px[0], disk_power, &disks_px[k]);
     }
-    tabulate(r->table, all);
+    tabulate(r->table, &all);
     const panels p = run_panels(r, NULL, 1100, 740,
                                 (shear_grid){.rows = 2, .columns = 2, .gap_x = 12, .gap_y = 8});
-    draw_m(&p, 0, all, true);
-    draw_m(&p, 1, all, false);
-    draw_aliases(&p, 2, all);
-    draw_c(&p, 3, all);
-    free(all);
+    draw_m(&p, 0, &all, true);
+    draw_m(&p, 1, &all, false);
+    draw_aliases(&p, 2, &all);
+    draw_c(&p, 3, &all);
 }
 
 const experiment experiment_narrow = {

@@ -7,7 +7,6 @@
 #include "report/run.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { N_PANELS = 4, N_BEST = 2, MAX_SIZES = 8, ROW = 210 };
 
@@ -155,13 +154,12 @@ static void draw(run *r, const outcome *out) {
 }
 
 static void run_overall(run *r) {
-    outcome *out = must_allocate(1, sizeof *out, "results");
-    jackknife_sums *all = tabulate(r, out);
+    static outcome out;
+    jackknife_sums *all = tabulate(r, &out);
     for (int i = 0; i < N_BEST; i++)
-        conclude(r, all, out, i);
-    draw(r, out);
+        conclude(r, all, &out, i);
+    draw(r, &out);
     jackknife_sums_free(all);
-    free(out);
 }
 
 const experiment experiment_overall = {

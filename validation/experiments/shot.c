@@ -8,7 +8,6 @@
 #include "report/run.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { N_PANELS = 3, N_SHEARS = 5, N_WAYS = 3 };
 
@@ -201,17 +200,16 @@ static void draw_panel(const panels *p, int i, double snr, const outcome *out) {
 }
 
 static void run_shot(run *r) {
-    outcome *out = must_allocate(1, sizeof *out, "results");
+    static outcome out;
     table_columns(r->table, columns);
     for (int panel = 0; panel < N_PANELS; panel++)
-        do_panel(r, panel, out);
+        do_panel(r, panel, &out);
     const panels p = run_panels(
         r, NULL, 940, 780, (shear_grid){.rows = N_PANELS, .columns = 2, .gap_x = 10, .gap_y = 4});
     for (int panel = 0; panel < N_PANELS; panel++)
-        conclude(r, out, panel);
+        conclude(r, &out, panel);
     for (int i = 0; i < 2 * N_PANELS; i++)
-        draw_panel(&p, i, options_list(r->options, "snrs")->v[i / 2], out);
-    free(out);
+        draw_panel(&p, i, options_list(r->options, "snrs")->v[i / 2], &out);
 }
 
 const experiment experiment_shot = {

@@ -329,23 +329,22 @@ static void draw(run *r, const char *suffix, const objects *all, int psf, int c)
 
 static void run_single(run *r) {
     const options *o = r->options;
-    objects *all = must_allocate(1, sizeof *all, "galaxies");
-    all->ratios = options_list(o, "ratios");
-    all->n = (int)options_number(o, "objects");
-    for (int i = 0; i < all->n; i++) {
-        measure_truth(o, i, all->of[i].truth);
-        for (int k = 0; k < all->ratios->n; k++)
-            all->of[i].at[k] = measure(o, r->cache, i, all->ratios->v[k]);
+    static objects all;
+    all.ratios = options_list(o, "ratios");
+    all.n = (int)options_number(o, "objects");
+    for (int i = 0; i < all.n; i++) {
+        measure_truth(o, i, all.of[i].truth);
+        for (int k = 0; k < all.ratios->n; k++)
+            all.of[i].at[k] = measure(o, r->cache, i, all.ratios->v[k]);
     }
-    tabulate(r->table, all);
-    draw(r, NULL, all, PSF_FINE, 0);
-    draw(r, "g2", all, PSF_FINE, 1);
-    draw(r, "coarse", all, PSF_COARSE, 0);
-    for (int i = 0; i < all->n * MAX_RATIOS; i++) {
-        free(all->of[i / MAX_RATIOS].at[i % MAX_RATIOS].g[0]);
-        free(all->of[i / MAX_RATIOS].at[i % MAX_RATIOS].g[1]);
+    tabulate(r->table, &all);
+    draw(r, NULL, &all, PSF_FINE, 0);
+    draw(r, "g2", &all, PSF_FINE, 1);
+    draw(r, "coarse", &all, PSF_COARSE, 0);
+    for (int i = 0; i < all.n * MAX_RATIOS; i++) {
+        free(all.of[i / MAX_RATIOS].at[i % MAX_RATIOS].g[0]);
+        free(all.of[i / MAX_RATIOS].at[i % MAX_RATIOS].g[1]);
     }
-    free(all);
 }
 
 const experiment experiment_single = {
