@@ -56,6 +56,19 @@ int io_finish(int fd, int error) {
     return error;
 }
 
+int io_rename(int directory, const char *from, const char *to, bool replace) {
+    const int failed = replace ? renameat(directory, from, directory, to)
+                               : renameat2(directory, from, directory, to, RENAME_NOREPLACE);
+    if (failed == 0)
+        return 0;
+    if (replace || (errno != EINVAL && errno != ENOSYS))
+        return errno;
+    /* Not every file system supports that flag; a link does not replace a file either. */
+    if (linkat(directory, from, directory, to, 0) != 0 || unlinkat(directory, from, 0) != 0)
+        return errno;
+    return 0;
+}
+
 int io_open_nameless(const char *directory) {
     const int fd = open(directory, O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600);
     if (fd >= 0)

@@ -41,21 +41,11 @@ static cairo_status_t write_bytes(void *closure, const unsigned char *data, unsi
     return errno == 0 ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
-/* Rename the finished file. */
 static int put_in_place(const char *part, const char *path, bool replace, shear_error *err) {
-    if (replace)
-        return rename(part, path) == 0 ? SHEAR_OK : fail_io(err, "write", path, errno);
-    if (renameat2(AT_FDCWD, part, AT_FDCWD, path, RENAME_NOREPLACE) == 0)
-        return SHEAR_OK;
-    if (errno == EINVAL || errno == ENOSYS) {
-        /* The file system does not support RENAME_NOREPLACE. link does not replace a file, either.
-         */
-        if (link(part, path) == 0) {
-            unlink(part);
-            return SHEAR_OK;
-        }
-    }
-    return errno == EEXIST ? fail_exists(err, path) : fail_io(err, "write", path, errno);
+    const int number = io_rename(AT_FDCWD, part, path, replace);
+    if (number == EEXIST)
+        return fail_exists(err, path);
+    return number == 0 ? SHEAR_OK : fail_io(err, "write", path, number);
 }
 
 /* Write the image to the descriptor, sync it to disk, and close it. */

@@ -91,11 +91,8 @@ static enum exit_code check_parent(const char *path) {
 static enum exit_code check_path(const char *path, const measure_input *inputs, size_t n,
                                  bool force) {
     struct stat st;
-    if (stat(path, &st) == 0) {
-        const enum exit_code code = check_existing(path, &st, inputs, n, force);
-        if (code != EXIT_CODE_DONE)
-            return code;
-    }
+    if (stat(path, &st) == 0)
+        TRY(check_existing(path, &st, inputs, n, force));
     return check_parent(path);
 }
 
@@ -110,9 +107,7 @@ static enum exit_code check_all(const measure_input *inputs, size_t n, bool forc
                                     inputs[j].path, inputs[i].path, inputs[i].catalog);
             }
         }
-        const enum exit_code code = check_path(inputs[i].catalog, inputs, n, force);
-        if (code != EXIT_CODE_DONE)
-            return code;
+        TRY(check_path(inputs[i].catalog, inputs, n, force));
     }
     return EXIT_CODE_DONE;
 }

@@ -2,6 +2,7 @@
 #include "fits/io/output.h"
 
 #include "base/cleanup.h"
+#include "base/io.h"
 #include "base/text.h"
 #include "fits/io/source.h"
 
@@ -122,25 +123,12 @@ static int sync_file(const sf_output *out, int64_t bytes, shear_error *err) {
     return synced ? SHEAR_OK : sf_fail_errno(err, at, errno, "cannot be brought to disk");
 }
 
-/* Return 0, or -1 with errno; EEXIST if the name is taken. */
-static int rename_to_new(const sf_output *out) {
-    const int d = out->directory;
-    if (renameat2(d, out->temporary, d, out->base, RENAME_NOREPLACE) == 0)
-        return 0;
-    if (errno != EINVAL && errno != ENOSYS)
-        return -1;
-    /* Not every file system supports that flag; a link does not replace a file either. */
-    return linkat(d, out->temporary, d, out->base, 0) == 0 ? unlinkat(d, out->temporary, 0) : -1;
-}
-
 static int put_in_place(sf_output *out, shear_error *err) {
     const sf_place at = {out->name, NULL};
-    const int failed = out->overwrite
-                           ? renameat(out->directory, out->temporary, out->directory, out->base)
-                           : rename_to_new(out);
+    const int failed = io_rename(out->directory, out->temporary, out->base, out->overwrite);
     if (failed != 0) {
-        return errno == EEXIST ? exists(out, err)
-                               : sf_fail_errno(err, at, errno, "cannot be put in place");
+        return failed == EEXIST ? exists(out, err)
+                                : sf_fail_errno(err, at, failed, "cannot be put in place");
     }
     out->exists = false;
     return fsync(out->directory) == 0 || errno == EINVAL
