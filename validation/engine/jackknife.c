@@ -7,30 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-jackknife_sums *jackknife_sums_new(int n_series, int groups) {
-    jackknife_sums *s = must_allocate(1, sizeof *s, "sums");
-    const size_t n = (size_t)n_series * (size_t)groups;
-    *s = (jackknife_sums){n_series, groups, must_allocate(n, sizeof *s->sums, "sums")};
-    return s;
-}
-
-void jackknife_sums_free(jackknife_sums *s) {
-    if (s != NULL) {
-        free(s->sums);
-        free(s);
-    }
-}
-
-void jackknife_sums_append(jackknife_sums *s, const jackknife_sums *more) {
-    assert(more->groups == s->groups || s->n_series == 0);
-    s->groups = more->groups;
-    const size_t old = (size_t)s->n_series * (size_t)s->groups;
-    const size_t added = (size_t)more->n_series * (size_t)s->groups;
-    s->sums = realloc(s->sums, (old + added) * sizeof *s->sums);
+void jackknife_sums_extend(jackknife_sums *s, int n_series, int groups) {
+    assert(groups == s->groups || s->n_series == 0);
+    s->groups = groups;
+    s->n_series += n_series;
+    s->sums = realloc(s->sums, (size_t)s->n_series * (size_t)groups * sizeof *s->sums);
     if (s->sums == NULL)
         must_fail(SHEAR_E_NOMEM, NULL, "out of memory for sums");
-    memcpy(s->sums + old, more->sums, added * sizeof *s->sums);
-    s->n_series += more->n_series;
+}
+
+void jackknife_sums_deinit(const jackknife_sums *s) {
+    free(s->sums);
 }
 
 shear_block_sums *jackknife_sums_at(const jackknife_sums *s, int series, int group) {

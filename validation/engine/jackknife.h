@@ -7,6 +7,7 @@
  * function. */
 #pragma once
 
+#include "base/cleanup.h"
 #include "engine/statistics.h"
 #include "shear/sums.h"
 
@@ -17,11 +18,9 @@ typedef struct jackknife_sums {
     shear_block_sums *sums; /* [n_series][groups] */
 } jackknife_sums;
 
-/* Create empty sums. Ends the program if out of memory. */
-jackknife_sums *jackknife_sums_new(int n_series, int groups);
-void jackknife_sums_free(jackknife_sums *s);
-/* Append the series of `more`, which has the same groups and galaxies. *s may be empty. */
-void jackknife_sums_append(jackknife_sums *s, const jackknife_sums *more);
+/* Append series, not yet set, of the same groups and galaxies. *s may be {0}. */
+void jackknife_sums_extend(jackknife_sums *s, int n_series, int groups);
+void jackknife_sums_deinit(const jackknife_sums *s);
 shear_block_sums *jackknife_sums_at(const jackknife_sums *s, int series, int group);
 
 /* A group's sums as doubles, for the result cache. */

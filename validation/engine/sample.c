@@ -53,7 +53,7 @@ static void measure_group(void *context, int group, double *values) {
     }
 }
 
-jackknife_sums *sample_measure(const options *o, cache *c, const sample *what) {
+void sample_measure(const options *o, cache *c, const sample *what, jackknife_sums *sums) {
     grouped g = {.of = what,
                  .stamps = what->stamps > 0 ? what->stamps : o->galaxies,
                  .unit = copies(what),
@@ -67,13 +67,13 @@ jackknife_sums *sample_measure(const options *o, cache *c, const sample *what) {
                              .work = measure_group,
                              .context = &g};
     double *packed = cache_run(c, &task);
-    jackknife_sums *sums = jackknife_sums_new(what->n_series, g.groups);
+    const int first = sums->n_series;
+    jackknife_sums_extend(sums, what->n_series, g.groups);
     for (int i = 0; i < g.groups * what->n_series; i++) {
         jackknife_unpack(packed + i * JACKKNIFE_PACKED,
-                         jackknife_sums_at(sums, i % what->n_series, i / what->n_series));
+                         jackknife_sums_at(sums, first + i % what->n_series, i / what->n_series));
     }
     free(packed);
     free(g.rows);
     sampler_free(g.sampler);
-    return sums;
 }

@@ -57,8 +57,9 @@ typedef struct sample {
 } sample;
 
 /* Draw and measure the sample through the cache, in the options' groups: of nearly equal size, each
- * a multiple of the rotated copies, and fewer if there are fewer galaxies. */
-jackknife_sums *sample_measure(const options *o, cache *c, const sample *what);
+ * a multiple of the rotated copies, and fewer if there are fewer galaxies. Its series are appended
+ * to *sums. */
+void sample_measure(const options *o, cache *c, const sample *what, jackknife_sums *sums);
 
 /* ---- direct use, for access to the rows ---- */
 

@@ -115,7 +115,7 @@ static shear_mock_spec spec_of(const options *o, const bias_case *b) {
 }
 
 /* Measure a case. Without interpolation the noise is drawn once for all shears. */
-static jackknife_sums *measure(const options *o, cache *c, const bias_case *b) {
+static void measure(const options *o, cache *c, const bias_case *b, jackknife_sums *sums) {
     const shear_set set = shears_of(o, b, 0);
     const bool shares = b->noise == SOURCES && !b->interpolated;
     shear_mock_spec noise = spec_of(o, b);
@@ -141,7 +141,7 @@ static jackknife_sums *measure(const options *o, cache *c, const bias_case *b) {
     }
     snprintf(s.name, sizeof s.name, "%s,W_%s,noise=%s%s%s", bias_kinds[b->kind], bias_psfs[b->psf],
              bias_noises[b->noise], b->interpolated ? ",log" : "", b->large ? ",large" : "");
-    return sample_measure(o, c, &s);
+    sample_measure(o, c, &s, sums);
 }
 
 /* Compute half the difference between +g and -g, over g: the odd part in the shear, averaged over
@@ -177,21 +177,21 @@ static void add_large_curve(lines *all, const bias_case *b, const jackknife_sums
 }
 
 static void do_case(run *r, const bias_case *b, lines *all) {
-    jackknife_sums *sums = measure(r->options, r->cache, b);
+    CLEANUP(jackknife_sums_deinit) jackknife_sums sums = {0};
+    measure(r->options, r->cache, b, &sums);
     for (int k = 0; k < n_ways(b); k++) {
         const shear_set set = shears_of(r->options, b, k);
         line *l = &all->of[all->n++];
         *l = (line){.of = *b, .way = b->interpolated ? 1 + k : 0};
-        for (int group = 0; group < sums->groups; group++)
-            l->n += (double)jackknife_sums_at(sums, set.series[0], group)->n_used;
+        for (int group = 0; group < sums.groups; group++)
+            l->n += (double)jackknife_sums_at(&sums, set.series[0], group)->n_used;
         if (b->large) {
-            l->cubic = bias_fit_cubic(sums, &set);
-            add_large_curve(all, b, sums, &set);
+            l->cubic = bias_fit_cubic(&sums, &set);
+            add_large_curve(all, b, &sums, &set);
         } else {
-            l->bias = bias_fit_lines(sums, &set);
+            l->bias = bias_fit_lines(&sums, &set);
         }
     }
-    jackknife_sums_free(sums);
 }
 
 static void run_bias(run *r) {

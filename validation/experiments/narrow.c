@@ -133,14 +133,14 @@ static void measure(const options *o, cache *c, point *p) {
         p->beta_px[i % N_WAYS] = s.series[i].settings.beta_px;
     }
     snprintf(s.name, sizeof s.name, "R_PSF=%g", p->r_psf_px);
-    jackknife_sums *sums = sample_measure(o, c, &s);
+    CLEANUP(jackknife_sums_deinit) jackknife_sums sums = {0};
+    sample_measure(o, c, &s, &sums);
     for (int way = 0; way < N_WAYS; way++) {
         const shear_set set = {.n = SIGNS,
                                .series = {way, N_WAYS + way},
                                .g = {{o->mock.g1, o->mock.g2}, {-o->mock.g1, -o->mock.g2}}};
-        p->bias[way] = bias_fit_lines(sums, &set);
+        p->bias[way] = bias_fit_lines(&sums, &set);
     }
-    jackknife_sums_free(sums);
 }
 
 /* ---- table ---- */

@@ -20,7 +20,7 @@ static int64_t stamps(const options *o) {
 }
 
 /* Measure. Series 2 i and 2 i + 1 are ratio i with and without the correction. */
-static jackknife_sums *measure(const options *o, cache *c) {
+static void measure(const options *o, cache *c, jackknife_sums *sums) {
     const parameter_values *ratios = options_list(o, "ratios");
     shear_mock_spec noise = o->mock;
     sample s = {"noise", .n_scenes = ratios->n, .n_series = 2 * ratios->n, .noise = &noise};
@@ -30,7 +30,7 @@ static jackknife_sums *measure(const options *o, cache *c) {
         s.series[i] = (series){.scene = i / 2, .settings = o->settings};
         s.series[i].settings.noise_correction = i % 2 == 0;
     }
-    return sample_measure(o, c, &s);
+    sample_measure(o, c, &s, sums);
 }
 
 static const column columns[] = {
@@ -118,11 +118,11 @@ static void run_noise(run *r) {
     curve curves[2][2] = {{{.label = "noise corrected", .hue = SHEAR_VERMILION},
                            {.label = "not corrected", .hue = SHEAR_BLUE, .marker = SHEAR_SQUARE}},
                           {{.hue = SHEAR_VERMILION}, {.hue = SHEAR_BLUE, .marker = SHEAR_SQUARE}}};
-    jackknife_sums *sums = measure(r->options, r->cache);
-    tabulate(r, sums, curves);
+    CLEANUP(jackknife_sums_deinit) jackknife_sums sums = {0};
+    measure(r->options, r->cache, &sums);
+    tabulate(r, &sums, curves);
     draw(r, curves);
     draw_images(r);
-    jackknife_sums_free(sums);
 }
 
 const experiment experiment_noise = {

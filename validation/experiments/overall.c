@@ -37,7 +37,7 @@ static int method_of(int i) {
     return N_METHODS - N_BEST + i;
 }
 
-static jackknife_sums *measure(const options *o, cache *c, int panel, double size) {
+static void measure(const options *o, cache *c, int panel, double size, jackknife_sums *sums) {
     sample s = {.n_scenes = 1, .scenes = {{.spec = o->mock}}, .n_series = N_BEST};
     shear_mock_spec *m = &s.scenes[0].spec;
     m->galaxy = kinds[panel].kind;
@@ -48,7 +48,7 @@ static jackknife_sums *measure(const options *o, cache *c, int panel, double siz
     for (int i = 0; i < N_BEST; i++)
         s.series[i] = method_series(method_of(i), PSF_FINE, m->r_psf_px, &o->settings);
     snprintf(s.name, sizeof s.name, "%s,W_%s,R_G=%g", kinds[panel].galaxy, kinds[panel].psf, size);
-    return sample_measure(o, c, &s);
+    sample_measure(o, c, &s, sums);
 }
 
 /* ---- table ---- */
@@ -92,24 +92,21 @@ static void add_row(run *r, int panel, double size, int i, const jackknife_shear
     }
 }
 
-/* Fill the table. Returns the sums of all panels and sizes, in order. */
-static jackknife_sums *tabulate(run *r, outcome *out) {
+/* Fill the table, and the sums of all panels and sizes, in order. */
+static void tabulate(run *r, jackknife_sums *all, outcome *out) {
     const options *o = r->options;
     const parameter_values *sizes = options_list(o, "sizes");
     const double truth[] = {o->mock.g1, o->mock.g2};
-    jackknife_sums *all = jackknife_sums_new(0, 0);
     table_columns(r->table, columns);
     for (int k = 0; k < N_PANELS * sizes->n; k++) {
         const double size = sizes->v[k % sizes->n];
-        jackknife_sums *sums = measure(o, r->cache, k / sizes->n, size);
+        measure(o, r->cache, k / sizes->n, size, all);
         for (int i = 0; i < N_BEST; i++) {
-            const jackknife_shear s = jackknife_shear_of(sums, i, o->mock.rotate > 1, truth);
+            const bool rotated = o->mock.rotate > 1;
+            const jackknife_shear s = jackknife_shear_of(all, N_BEST * k + i, rotated, truth);
             add_row(r, k / sizes->n, size, i, &s, out);
         }
-        jackknife_sums_append(all, sums);
-        jackknife_sums_free(sums);
     }
-    return all;
 }
 
 /* Add a conclusion: panels and sizes show the same galaxies, so all large sizes of a method are
@@ -155,11 +152,11 @@ static void draw(run *r, const outcome *out) {
 
 static void run_overall(run *r) {
     static outcome out;
-    jackknife_sums *all = tabulate(r, &out);
+    CLEANUP(jackknife_sums_deinit) jackknife_sums sums = {0};
+    tabulate(r, &sums, &out);
     for (int i = 0; i < N_BEST; i++)
-        conclude(r, all, &out, i);
+        conclude(r, &sums, &out, i);
     draw(r, &out);
-    jackknife_sums_free(all);
 }
 
 const experiment experiment_overall = {

@@ -47,7 +47,7 @@ static shear_settings settings_at(const options *o, double ratio) {
 }
 
 /* Measure without the effect of pixels: R_PSF = 4 pixels, not interpolated. */
-static jackknife_sums *measure_reference(const options *o, cache *c, double size) {
+static void measure_reference(const options *o, cache *c, double size, jackknife_sums *sums) {
     static const double fine = 0.25;
     sample s = {.n_scenes = 1,
                 .scenes = {scene_at(o, size, fine)},
@@ -56,29 +56,26 @@ static jackknife_sums *measure_reference(const options *o, cache *c, double size
     s.series[0].settings.interpolation = SHEAR_INTERP_NONE;
     s.series[0].settings.oversample = 0;
     snprintf(s.name, sizeof s.name, "reference:R_G=%g", size);
-    return sample_measure(o, c, &s);
+    sample_measure(o, c, &s, sums);
 }
 
-static jackknife_sums *measure_ratio(const options *o, cache *c, double size, double ratio) {
+static void measure_ratio(const options *o, cache *c, double size, double ratio,
+                          jackknife_sums *sums) {
     sample s = {
         .n_scenes = 1, .scenes = {scene_at(o, size, ratio)}, .n_series = samplings(o) * N_METHODS};
     const shear_settings settings = settings_at(o, ratio);
     method_series_all(s.series, 1.0 / ratio, &settings);
     snprintf(s.name, sizeof s.name, "R_G=%g,pixel=%g", size, ratio);
-    return sample_measure(o, c, &s);
+    sample_measure(o, c, &s, sums);
 }
 
 /* Measure the well-sampled reference (series 0) and, for each ratio, the six methods with each
  * sampling of the PSF. */
-static jackknife_sums *measure_size(const options *o, cache *c, double size) {
+static void measure_size(const options *o, cache *c, double size, jackknife_sums *sums) {
     const parameter_values *ratios = options_list(o, "ratios");
-    jackknife_sums *sums = measure_reference(o, c, size);
-    for (int k = 0; k < ratios->n; k++) {
-        jackknife_sums *at_ratio = measure_ratio(o, c, size, ratios->v[k]);
-        jackknife_sums_append(sums, at_ratio);
-        jackknife_sums_free(at_ratio);
-    }
-    return sums;
+    measure_reference(o, c, size, sums);
+    for (int k = 0; k < ratios->n; k++)
+        measure_ratio(o, c, size, ratios->v[k], sums);
 }
 
 /* ---- one point ---- */
@@ -219,7 +216,7 @@ static void draw(run *r, const char *suffix, curves all) {
 
 /* ---- all ---- */
 
-static void do_sampling(run *r, jackknife_sums *const *sums, int psf) {
+static void do_sampling(run *r, const jackknife_sums *sums, int psf) {
     const options *o = r->options;
     const parameter_values *sizes = options_list(o, "sizes");
     const parameter_values *ratios = options_list(o, "ratios");
@@ -230,7 +227,7 @@ static void do_sampling(run *r, jackknife_sums *const *sums, int psf) {
         const int k = i / N_METHODS % ratios->n;
         const int size = i / N_METHODS / ratios->n;
         point p = {.size = sizes->v[size], .ratio = ratios->v[k], .method = i % N_METHODS};
-        fill_point(&p, sums[size], 1 + (k * samplings(o) + psf) * N_METHODS, truth);
+        fill_point(&p, &sums[size], 1 + (k * samplings(o) + psf) * N_METHODS, truth);
         add_row(r->table, psf, &p);
         add_point(*all, size, &p);
         score_point(&s, &p);
@@ -242,14 +239,14 @@ static void do_sampling(run *r, jackknife_sums *const *sums, int psf) {
 
 static void run_pixels(run *r) {
     const parameter_values *sizes = options_list(r->options, "sizes");
-    jackknife_sums *sums[MAX_SIZES] = {NULL};
+    jackknife_sums sums[MAX_SIZES] = {{0}};
     table_columns(r->table, columns);
     for (int i = 0; i < sizes->n; i++)
-        sums[i] = measure_size(r->options, r->cache, sizes->v[i]);
+        measure_size(r->options, r->cache, sizes->v[i], &sums[i]);
     for (int psf = 0; psf < samplings(r->options); psf++)
         do_sampling(r, sums, psf);
     for (int i = 0; i < sizes->n; i++)
-        jackknife_sums_free(sums[i]);
+        jackknife_sums_deinit(&sums[i]);
 }
 
 const experiment experiment_pixels = {

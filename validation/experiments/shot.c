@@ -75,7 +75,7 @@ static double background_at(const shear_mock_spec *spec, double snr) {
 }
 
 /* Measure. The series are way + N_WAYS * shear. photons = 0 is an infinite exposure. */
-static jackknife_sums *measure(const options *o, cache *c, double snr, double photons) {
+static void measure(const options *o, cache *c, double snr, double photons, jackknife_sums *sums) {
     sample s = {.n_scenes = N_SHEARS, .n_series = N_SHEARS * N_WAYS};
     const double background = photons > 0.0 ? 0.0 : background_at(&o->mock, snr);
     for (int i = 0; i < N_SHEARS; i++) {
@@ -89,7 +89,7 @@ static jackknife_sums *measure(const options *o, cache *c, double snr, double ph
         s.series[i] = series_of(o, i / N_WAYS, i % N_WAYS, background);
     snprintf(s.name, sizeof s.name, photons > 0.0 ? "snr=%g,photons=%g" : "snr=%g,endless", snr,
              photons);
-    return sample_measure(o, c, &s);
+    sample_measure(o, c, &s, sums);
 }
 
 static shear_set set_of(const options *o, int first) {
@@ -120,11 +120,11 @@ typedef struct outcome {
 } outcome;
 
 /* Add a row. The effect of photon counting on m is small if it is below m's own error, or not
- * significant. The series of the infinite exposure follow those of the point. */
-static void add_row(run *r, const jackknife_sums *sums, int panel, double photons, int way,
-                    outcome *out) {
-    const shear_set set = set_of(r->options, way);
-    const shear_set endless = set_of(r->options, way + N_SHEARS * N_WAYS);
+ * significant. The series of the infinite exposure come before those of point k = 0. */
+static void add_row(run *r, const jackknife_sums *sums, int panel, int k, int way, outcome *out) {
+    const shear_set set = set_of(r->options, way + (k + 1) * N_SHEARS * N_WAYS);
+    const shear_set endless = set_of(r->options, way);
+    const double photons = exposures(r->options, panel)->v[k];
     const bias_fit b = bias_fit_lines(sums, &set);
     double *from = &out->from[panel][way];
     double dm[2];
@@ -151,15 +151,13 @@ static void do_panel(run *r, int panel, outcome *out) {
     const double snr = options_list(r->options, "snrs")->v[panel];
     for (int way = 0; way < N_WAYS; way++)
         out->from[panel][way] = NAN;
-    jackknife_sums *endless = measure(r->options, r->cache, snr, 0.0);
+    CLEANUP(jackknife_sums_deinit) jackknife_sums sums = {0};
+    measure(r->options, r->cache, snr, 0.0, &sums);
     for (int k = 0; k < photons->n; k++) {
-        jackknife_sums *sums = measure(r->options, r->cache, snr, photons->v[k]);
-        jackknife_sums_append(sums, endless);
+        measure(r->options, r->cache, snr, photons->v[k], &sums);
         for (int way = 0; way < N_WAYS; way++)
-            add_row(r, sums, panel, photons->v[k], way, out);
-        jackknife_sums_free(sums);
+            add_row(r, &sums, panel, k, way, out);
     }
-    jackknife_sums_free(endless);
 }
 
 static void conclude(run *r, const outcome *out, int panel) {
