@@ -24,11 +24,10 @@ double brightness_flux(const brightness *b, uint64_t seed, int64_t galaxy) {
 double brightness_sigma(const shear_mock_spec *spec, double snr) {
     shear_mock_spec m = *spec;
     m.rotate = 1;
-    double *galaxy = sampler_draw(&m, PROBES);
+    CLEANUP(release_free) double *galaxy = sampler_draw(&m, PROBES);
     double sum = 0.0;
     for (size_t i = 0; i < PROBES * (size_t)m.nx * (size_t)m.ny; i++)
         sum += galaxy[i] * galaxy[i];
-    free(galaxy);
     return sqrt(sum / PROBES) / snr;
 }
 

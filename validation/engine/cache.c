@@ -92,7 +92,7 @@ static void keep(cache *c, const record *r) {
 
 /* Read the records of the file. Returns the length of its complete part. */
 static off_t read_records(cache *c) {
-    char *line = NULL;
+    CLEANUP(release_free) char *line = NULL;
     size_t size = 0;
     off_t good = 0;
     record r = {0};
@@ -105,7 +105,6 @@ static off_t read_records(cache *c) {
         }
     }
     free(r.values);
-    free(line);
     return good;
 }
 
@@ -128,9 +127,8 @@ static void load(cache *c, bool fresh) {
 
 static void name_state(cache *c, const options *o) {
     char key[SHEAR_CHECKSUM_SIZE];
-    char *text = options_describe(o);
+    CLEANUP(release_free) char *text = options_describe(o);
     shear_bytes_checksum(text, strlen(text), key);
-    free(text);
     key[KEY_LENGTH] = '\0';
     options_path(o, key, "state", c->path);
 }

@@ -116,8 +116,9 @@ void jackknife_covariance(const jackknife_sums *s, jackknife_function *f, const 
                   "a jackknife needs at least two groups");
     }
     const size_t size = (size_t)s->groups * (size_t)n;
+    CLEANUP(release_free)
     jackknife_total *totals = must_allocate((size_t)s->n_series, sizeof *totals, "totals");
-    double *values = must_allocate(size, sizeof *values, "totals");
+    CLEANUP(release_free) double *values = must_allocate(size, sizeof *values, "totals");
     for (int group = 0; group < s->groups; group++) {
         sum_groups(s, group, totals);
         f(totals, context, values + (size_t)group * (size_t)n);
@@ -125,8 +126,6 @@ void jackknife_covariance(const jackknife_sums *s, jackknife_function *f, const 
     covariance(s->groups, n, values, value, cov);
     sum_groups(s, -1, totals);
     f(totals, context, value);
-    free(totals);
-    free(values);
 }
 
 typedef struct selected {
@@ -145,9 +144,7 @@ chi_square jackknife_test(const jackknife_sums *s, int n, const int *series,
                           const double truth[2]) {
     const selected which = {n, series, truth};
     const size_t size = 2 * (size_t)n;
-    double *d = must_allocate(size * (size + 1), sizeof *d, "a covariance");
+    CLEANUP(release_free) double *d = must_allocate(size * (size + 1), sizeof *d, "a covariance");
     jackknife_covariance(s, deviations, &which, 2 * n, d, d + size);
-    const chi_square test = chi_square_of_covariance(d, d + size, 2 * n, s->groups);
-    free(d);
-    return test;
+    return chi_square_of_covariance(d, d + size, 2 * n, s->groups);
 }

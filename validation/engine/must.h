@@ -3,6 +3,7 @@
  * the result cache, and the next start continues from there. */
 #pragma once
 
+#include "base/cleanup.h"
 #include "shear/error.h"
 
 #include <stddef.h>

@@ -66,14 +66,13 @@ void sample_measure(const options *o, cache *c, const sample *what, jackknife_su
                              .stamps_of_chunk = g.stamps / g.groups * what->n_scenes,
                              .work = measure_group,
                              .context = &g};
-    double *packed = cache_run(c, &task);
+    CLEANUP(release_free) double *packed = cache_run(c, &task);
     const int first = sums->n_series;
     jackknife_sums_extend(sums, what->n_series, g.groups);
     for (int i = 0; i < g.groups * what->n_series; i++) {
         jackknife_unpack(packed + i * JACKKNIFE_PACKED,
                          jackknife_sums_at(sums, first + i % what->n_series, i / what->n_series));
     }
-    free(packed);
     free(g.rows);
     sampler_free(g.sampler);
 }

@@ -67,6 +67,7 @@ typedef struct sampler sampler;
 /* Create a sampler. `threads`: 0: all cores. */
 sampler *sampler_new(const sample *what, int64_t stamps, int threads);
 void sampler_free(sampler *s);
+CLEANUP_DEFINE(sampler, sampler_free)
 /* Measure stamps [first, first+count): rows [n_series][count], in the order of the stamps. `first`
  * is a multiple of the rotated copies. */
 void sampler_rows(sampler *s, int64_t first, int count, shear_row *rows);
@@ -82,6 +83,7 @@ shear_plan *sampler_plan(const shear_mock *mock, const shear_settings *settings)
 
 /* Return a mock of n stamps, to be freed by shear_mock_free. */
 shear_mock *sampler_mock(const shear_mock_spec *spec, int64_t n);
+CLEANUP_DEFINE(shear_mock, shear_mock_free)
 /* Draw n stamp pairs: the galaxies [n][ny][nx], then their noise stamps, to be freed by the caller.
  */
 double *sampler_draw(const shear_mock_spec *spec, int n);

@@ -48,10 +48,9 @@ shear_mock *sampler_mock(const shear_mock_spec *spec, int64_t n) {
 
 double *sampler_draw(const shear_mock_spec *spec, int n) {
     const size_t size = (size_t)n * pixels_of(spec);
-    shear_mock *mock = sampler_mock(spec, n);
+    CLEANUP(shear_mock_release) shear_mock *mock = sampler_mock(spec, n);
     double *stamps = must_allocate(2 * size, sizeof *stamps, "stamps");
     must(shear_mock_stamps(mock, 0, n, 1, stamps, stamps + size, &must_error));
-    shear_mock_free(mock);
     return stamps;
 }
 
@@ -103,13 +102,12 @@ static bool same_plan(const basis *a, const basis *b) {
 shear_plan *sampler_plan(const shear_mock *mock, const shear_settings *settings) {
     const shear_geometry *g = &shear_mock_get_info(mock)->geometry;
     const size_t n = (size_t)g->psf_nx * (size_t)g->psf_ny;
-    double *psf = must_allocate(n, sizeof *psf, "a PSF");
+    CLEANUP(release_free) double *psf = must_allocate(n, sizeof *psf, "a PSF");
     shear_plan *plan = NULL;
     shear_mock_psf_image(mock, 0, psf);
     must(shear_plan_new(&plan,
                         &(shear_plan_request){.settings = settings, .geometry = *g, .psf = psf},
                         &must_error));
-    free(psf);
     return plan;
 }
 
@@ -121,9 +119,8 @@ static int find_plan(sampler *s, int i) {
         if (same_plan(&earlier, &b))
             return s->plan_of[k];
     }
-    shear_mock *mock = sampler_mock(&b.mock, s->stamps);
+    CLEANUP(shear_mock_release) shear_mock *mock = sampler_mock(&b.mock, s->stamps);
     s->plans[s->n_plans] = sampler_plan(mock, &b.settings);
-    shear_mock_free(mock);
     return s->n_plans++;
 }
 
@@ -219,9 +216,8 @@ static void draw_varied(const sampler *s, worker *w, const scene *c, int64_t fir
         const size_t at = (size_t)i * pixels_of(&c->spec);
         shear_mock_spec m = c->spec;
         s->of.vary(s->of.context, first + i, &m);
-        shear_mock *mock = sampler_mock(&m, 1);
+        CLEANUP(shear_mock_release) shear_mock *mock = sampler_mock(&m, 1);
         must(shear_mock_stamps(mock, 0, 1, 1, w->galaxy + at, w->noise + at, &must_error));
-        shear_mock_free(mock);
     }
 }
 

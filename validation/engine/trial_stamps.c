@@ -172,13 +172,12 @@ static void compose(trial_stamps *s, const trial_level *level, int sign) {
 
 static void write_psfs(const trial_stamps *s, shear_field_writer *w, int64_t n) {
     const size_t size = (size_t)s->psf_side * (size_t)s->psf_side * sizeof(double);
-    double *psf = must_allocate(1, size, "a PSF");
+    CLEANUP(release_free) double *psf = must_allocate(1, size, "a PSF");
     for (int64_t i = 0; i < n; i++) {
         memcpy(psf, s->psf, size);
         flaw_spoil_psf(s->of->flaw, s->of->seed, i, s->psf_side, psf);
         must(shear_field_write_psf(w, i, psf, &must_error));
     }
-    free(psf);
 }
 
 void trial_stamps_write(trial_stamps *s, const trial_level *level, int sign, const char *path) {

@@ -159,12 +159,11 @@ void trial_sums_conclude(const trial_sums *s, const trial *t, trial_outcome *out
     }
     double factor;
     const int n = pieces_of(s, &factor);
-    double *v = must_allocate((size_t)n * N_VALUES, sizeof *v, "errors");
+    CLEANUP(release_free) double *v = must_allocate((size_t)n * N_VALUES, sizeof *v, "errors");
     for (int i = 0; i < n; i++)
         values_of(s, t, piece(s, n, i), v + (size_t)i * N_VALUES);
     fill_errors(v, n, factor, t->stamps, out);
     fill_values(s, t, out);
-    free(v);
 }
 
 static double shift_of(const trial_sums *s, const trial_sums *reference, const trial *t, part p) {
@@ -179,10 +178,9 @@ void trial_sums_shift(const trial_sums *s, const trial_sums *reference, const tr
                       double *shift, double *shift_err) {
     double factor;
     const int n = pieces_of(s, &factor);
-    double *v = must_allocate((size_t)n * N_VALUES, sizeof *v, "errors");
+    CLEANUP(release_free) double *v = must_allocate((size_t)n * N_VALUES, sizeof *v, "errors");
     for (int i = 0; i < n; i++)
         v[(size_t)i * N_VALUES] = shift_of(s, reference, t, piece(s, n, i));
     *shift = shift_of(s, reference, t, whole(s));
     *shift_err = error_of(v, n, 0, factor);
-    free(v);
 }

@@ -191,6 +191,7 @@ efficiency_outcome efficiency_fields_outcome(const efficiency_fields *f, int i_c
     const double truth[2] = {f->options->mock.g1, f->options->mock.g2};
     const double root = sqrt((double)f->count);
     efficiency_outcome o = {.failed = 0};
+    CLEANUP(release_free)
     double *error = must_allocate(6 * (size_t)n_fields, sizeof *error, "errors");
     double *pull = error + 2 * n_fields;
     double *m = error + 4 * n_fields;
@@ -214,7 +215,6 @@ efficiency_outcome efficiency_fields_outcome(const efficiency_fields *f, int i_c
     o.pull_width = spread_of(pull, n).width;
     o.m = spread_of(m, n);
     o.quoted /= (double)n;
-    free(error);
     return o;
 }
 

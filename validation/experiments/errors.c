@@ -71,6 +71,7 @@ static int64_t stamps(const options *o) {
 /* Measure one field: g1, g2, errors of the delta method, errors of the jackknife. */
 static void measure_field(const shear_row *rows, int n, int groups, double out[PER_FIELD]) {
     const int n_blocks = (n + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    CLEANUP(release_free)
     shear_block_sums *blocks = must_allocate((size_t)n_blocks, sizeof *blocks, "sums");
     for (int i = 0; i < n; i++) {
         if (i % SHEAR_BLOCK == 0)
@@ -85,7 +86,6 @@ static void measure_field(const shear_row *rows, int n, int groups, double out[P
     out[3] = delta.g2_err;
     out[4] = jackknife.g1_err;
     out[5] = jackknife.g2_err;
-    free(blocks);
 }
 
 typedef struct chunked {
@@ -201,6 +201,7 @@ static void conclude(table *t, const outcome *out, int way) {
 static void tabulate(run *r, const double *values, outcome *out) {
     const options *o = r->options;
     const int of_chunk = values_of_chunk(o, options_list(o, "lengths")->n);
+    CLEANUP(release_free)
     double *pulls = must_allocate((size_t)chunks_of(o), (size_t)of_chunk * sizeof *pulls, "pulls");
     table_columns(r->table, columns);
     out->from[0] = out->from[1] = NAN;
@@ -210,7 +211,6 @@ static void tabulate(run *r, const double *values, outcome *out) {
     }
     conclude(r->table, out, 0);
     conclude(r->table, out, 1);
-    free(pulls);
 }
 
 /* ---- figure ---- */
@@ -242,7 +242,7 @@ static void draw_pulls(shear_figure *f, shear_rect cell, const options *o, const
 static void run_errors(run *r) {
     static outcome out = {.width = {{"delta method", SHEAR_BLUE, .marker = SHEAR_DISC},
                                     {"jackknife", SHEAR_VERMILION, .marker = SHEAR_SQUARE}}};
-    double *values = measure(r->options, r->cache);
+    CLEANUP(release_free) double *values = measure(r->options, r->cache);
     tabulate(r, values, &out);
     const panels p =
         run_panels(r, NULL, 940, 400, (shear_grid){.rows = 1, .columns = 2, .gap_x = 12});
@@ -251,7 +251,6 @@ static void run_errors(run *r) {
                 &(chart){"width of the pulls", "galaxies in a field", "standard deviation",
                          .log_x = true, .truth = 1.0, .spread = 0.012, .n_curves = N_WAYS,
                          .curves = out.width});
-    free(values);
 }
 
 const experiment experiment_errors = {

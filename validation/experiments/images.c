@@ -38,7 +38,7 @@ static image interpolate(const options *o, int i_method, const image *coarse) {
     const sample only = {
         "images", .n_scenes = 1, .scenes = {{.spec = o->mock}}, .n_series = 1,
         .series = {method_series(i_method, PSF_FINE, o->mock.r_psf_px, &o->settings)}};
-    sampler *s = sampler_new(&only, 1, 1);
+    CLEANUP(sampler_release) sampler *s = sampler_new(&only, 1, 1);
     const size_t n = (size_t)coarse->nx * (size_t)coarse->ny;
     const shear_stamps pair = {.count = 1,
                                .nx = coarse->nx,
@@ -50,7 +50,6 @@ static image interpolate(const options *o, int i_method, const image *coarse) {
     const image fine = {steps.fine_nx, steps.fine_ny, steps.galaxy_fine};
     steps.galaxy_fine = NULL;
     shear_inspection_deinit(&steps);
-    sampler_free(s);
     return fine;
 }
 

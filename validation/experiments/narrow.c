@@ -69,18 +69,17 @@ static double power_of_points(int n, const double *x, const double *y, double k)
 }
 
 static powers find_powers(const options *o) {
+    CLEANUP(shear_mock_release)
     shear_mock *mock = sampler_mock(&o->mock, (int64_t)POWER_GALAXIES * o->mock.rotate);
     powers p = {0};
     const int most = shear_mock_get_info(mock)->max_points;
-    double *x = must_allocate(2 * (size_t)most, sizeof *x, "points");
+    CLEANUP(release_free) double *x = must_allocate(2 * (size_t)most, sizeof *x, "points");
     for (int galaxy = 0; galaxy < POWER_GALAXIES; galaxy++) {
         const int n = shear_mock_points(mock, galaxy, x, x + most);
 #pragma omp parallel for schedule(dynamic)
         for (int i = 0; i < POWERS; i++)
             p.v[i] += power_of_points(n, x, x + most, power_step * i);
     }
-    free(x);
-    shear_mock_free(mock);
     return p;
 }
 

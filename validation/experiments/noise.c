@@ -98,12 +98,11 @@ static void draw_image(const options *o, shear_figure *f, shear_rect cell, doubl
     shear_mock_spec m = o->mock;
     char title[40];
     m.noise_ratio = ratio;
-    double *galaxy = sampler_draw(&m, 1);
+    CLEANUP(release_free) double *galaxy = sampler_draw(&m, 1);
     snprintf(title, sizeof title, "I_{N}/I_{G} = %g", ratio);
     shear_image_begin(f, &(shear_image){cell, title, galaxy, m.nx, m.ny, .map = SHEAR_MAP_GREY,
                                         .percentiles = {0.0, 99.95}});
     shear_axes_end(f);
-    free(galaxy);
 }
 
 static void draw_images(run *r) {

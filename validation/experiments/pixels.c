@@ -221,7 +221,7 @@ static void do_sampling(run *r, const jackknife_sums *sums, int psf) {
     const parameter_values *sizes = options_list(o, "sizes");
     const parameter_values *ratios = options_list(o, "ratios");
     const double truth[] = {o->mock.g1, o->mock.g2};
-    curves *all = must_allocate(1, sizeof *all, "curves");
+    CLEANUP(release_free) curves *all = must_allocate(1, sizeof *all, "curves");
     score s = {0};
     for (int i = 0; i < sizes->n * ratios->n * N_METHODS; i++) {
         const int k = i / N_METHODS % ratios->n;
@@ -234,7 +234,6 @@ static void do_sampling(run *r, const jackknife_sums *sums, int psf) {
     }
     conclude(r->table, psf_sampling_names[psf], &s);
     draw(r, psf == PSF_FINE ? NULL : "coarse", *all);
-    free(all);
 }
 
 static void run_pixels(run *r) {

@@ -135,13 +135,12 @@ static void draw_panel(const panels *p, const options *o, const trial *t, const 
 
 static void run_precision(run *r) {
     const trial t = trial_of(r->options);
-    trial_outcome *out = trial_run(&t, r->cache, "galaxies");
+    CLEANUP(release_free) trial_outcome *out = trial_run(&t, r->cache, "galaxies");
     tabulate(r, &t, out);
     const panels p =
         run_panels(r, NULL, 1000, 440, (shear_grid){.rows = 1, .columns = 2, .gap_x = 12});
     draw_panel(&p, r->options, &t, out, 0);
     draw_panel(&p, r->options, &t, out, 1);
-    free(out);
 }
 
 const experiment experiment_precision = {

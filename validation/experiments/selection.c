@@ -148,7 +148,7 @@ static cut find_cut(const measuring *m, enum cut_on on, double kept) {
     const size_t all = 2 * (size_t)m->trial.stamps;
     cut found = {on, -INFINITY};
     size_t n = 0;
-    double *v = must_allocate(all, sizeof *v, "a cut");
+    CLEANUP(release_free) double *v = must_allocate(all, sizeof *v, "a cut");
     for (size_t i = 0; i < all; i++) {
         if (m->stamps[i].row.flags == 0)
             v[n++] = m->stamps[i].value[on];
@@ -157,7 +157,6 @@ static cut find_cut(const measuring *m, enum cut_on on, double kept) {
         sort_doubles(v, n);
         found.threshold = v[(size_t)fmin((1.0 - kept) * (double)n, (double)n - 1.0)];
     }
-    free(v);
     return found;
 }
 
@@ -321,6 +320,7 @@ static void draw_panel(const panels *p, int n_kept, const outcome *out, int esti
 static void run_selection(run *r) {
     const options *o = r->options;
     const parameter_values *kept = options_list(o, "kept");
+    CLEANUP(release_free)
     outcome *out = (outcome *)cache_run(
         r->cache,
         &(cache_task){"galaxies", 1, .values = N_CUTS * kept->n * N_ESTIMATORS * OUTCOME_VALUES,
@@ -330,7 +330,6 @@ static void run_selection(run *r) {
         run_panels(r, NULL, 1000, 440, (shear_grid){.rows = 1, .columns = 2, .gap_x = 12});
     for (int i = 0; i < N_ESTIMATORS; i++)
         draw_panel(&p, kept->n, out, i);
-    free(out);
 }
 
 const experiment experiment_selection = {

@@ -66,12 +66,10 @@ static series series_of(const options *o, int i_scene, int way, double backgroun
 
 /* Return the background of a galaxy whose points have amplitude 1. */
 static double background_at(const shear_mock_spec *spec, double snr) {
-    shear_mock *mock = sampler_mock(spec, 1);
+    CLEANUP(shear_mock_release) shear_mock *mock = sampler_mock(spec, 1);
     const shear_mock_info *info = shear_mock_get_info(mock);
     const double area = M_PI * spec->r_gal_px * spec->r_gal_px;
-    const double background = info->max_points * info->psf_flux / area / snr;
-    shear_mock_free(mock);
-    return background;
+    return info->max_points * info->psf_flux / area / snr;
 }
 
 /* Measure. The series are way + N_WAYS * shear. photons = 0 is an infinite exposure. */

@@ -98,20 +98,20 @@ static shears measure(const options *o, cache *c, int i_object, double ratio) {
                    .n_series = N_METHOD_SERIES,
                    .vary = place};
     shear_settings settings = o->settings;
+    CLEANUP(shear_mock_release)
     shear_mock *centres = sampler_mock(&what.scenes[0].spec, o->galaxies);
     settings.beta_px = options_number(o, "beta") / ratio;
     what.context = centres;
     method_series_all(what.series, 1.0 / ratio, &settings);
     snprintf(what.name, sizeof what.name, "%d:pixel/R_PSF=%g", i_object, ratio);
     positions p = {sampler_new(&what, o->galaxies, o->threads), o->galaxies};
+    CLEANUP(release_free)
     double *values =
         cache_run(c, &(cache_task){what.name, .chunks = (int)((o->galaxies + CHUNK - 1) / CHUNK),
                                    .values = 2 * N_METHOD_SERIES * CHUNK, .stamps_of_chunk = CHUNK,
                                    .work = measure_chunk, .context = &p});
     const shears s = unpack(values, o->galaxies);
-    free(values);
     sampler_free(p.sampler);
-    shear_mock_free(centres);
     return s;
 }
 
@@ -124,11 +124,10 @@ static void measure_truth(const options *o, int i_object, double truth[2]) {
     only.series[0].settings.interpolation = SHEAR_INTERP_NONE;
     only.series[0].settings.oversample = 0;
     only.series[0].settings.beta_px = options_number(o, "beta") / fine;
-    sampler *s = sampler_new(&only, 1, 1);
+    CLEANUP(sampler_release) sampler *s = sampler_new(&only, 1, 1);
     sampler_rows(s, 0, 1, &row);
     truth[0] = row.n1 / row.d;
     truth[1] = row.n2 / row.d;
-    sampler_free(s);
 }
 
 /* ---- table ---- */

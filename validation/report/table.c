@@ -45,6 +45,7 @@ struct table {
 
 table *table_new(const options *o) {
     table *t = must_allocate(1, sizeof *t, "a table");
+    CLEANUP(release_free)
     char *settings = options_describe(o); /* "name value" lines become one string */
     for (char *p = strchr(settings, '\n'); p != NULL; p = strchr(p, '\n'))
         *p = p[1] != '\0' ? ';' : '\0';
@@ -52,7 +53,6 @@ table *table_new(const options *o) {
     table_meta(t, "command", "%s", o->command);
     table_meta(t, "version", "sheard %s", shear_version());
     table_meta(t, "settings", "%s", settings);
-    free(settings);
     return t;
 }
 
