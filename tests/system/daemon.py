@@ -41,7 +41,7 @@ class RpcError(Exception):
 
 
 def until(true, what, limit=None, step=0.01):
-    """Poll until true() is; its value."""
+    """Poll until true() is true; return its value."""
     limit = LIMIT if limit is None else limit
     end = time.monotonic() + limit
     while True:
@@ -79,7 +79,7 @@ class Client:
         self.socket.sendall(data)
 
     def receive(self):
-        """The next object of the service; EOFError where it hung up."""
+        """The next object of the service; EOFError if it hung up."""
         while b"\n" not in self.buffer:
             data = self.socket.recv(1 << 16)
             if not data:
@@ -89,7 +89,7 @@ class Client:
         return json.loads(line)
 
     def ask(self, method, params=None):
-        """Send a request; its id."""
+        """Send a request; return its id."""
         self.last += 1
         request = {"jsonrpc": "2.0", "id": self.last, "method": method, "params": params or {}}
         self.send(json.dumps(request).encode() + b"\n")
@@ -189,12 +189,12 @@ class Daemon:
         self.process.send_signal(number)
 
     def ended(self, limit=None):
-        """Wait until it has ended by itself: the exit code."""
+        """Wait until it has ended by itself; return the exit code."""
         until(lambda: not self.alive(), "the service ended", limit)
         return self.process.returncode
 
     def stop(self):
-        """SIGTERM, and the exit code."""
+        """Send SIGTERM; return the exit code."""
         self.signal(signal.SIGTERM)
         return self.ended()
 
@@ -274,7 +274,7 @@ class Daemon:
     # ---- the watch folder ----
 
     def drop(self, source, name, content=None):
-        """A file into incoming/, by renaming it into place."""
+        """Drop a file into incoming/, by renaming it into place."""
         hidden = self.folder("incoming", "." + name)
         if content is not None:
             with open(hidden, "wb") as f:
@@ -308,7 +308,7 @@ def mock(path, stamps=16, size=32, seed=1, *more):
 
 @functools.lru_cache(maxsize=None)
 def rate(size, *options):
-    """Stamps a second that `shearctl measure` manages here with these options on all processors."""
+    """Stamps per second that `shearctl measure` manages here with these options on all processors."""
     with tempfile.TemporaryDirectory(prefix="sheard-test-") as folder:
         stamps, seconds = 64, 0.0
         while seconds < 0.4:
@@ -328,7 +328,7 @@ SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", str(SLOW_OVERSAMPL
 
 
 def stamps_for(seconds, size, *options):
-    """As many stamps as take about so long to measure, or somewhat longer: however fast the machine
+    """The number of stamps that take about this long to measure, or somewhat longer, however fast the machine
     and the measurement are. Never so few that all could have been read when the first are measured:
     a job that is held then would not stay."""
     return max(320, 16 * round(seconds * rate(size, *options) / 16 + 1))
@@ -342,7 +342,7 @@ def named(content, name):
 
 
 def measured(paths, *options):
-    """What `shearctl measure` says of these files as one field."""
+    """The result of `shearctl measure` for these files as one field."""
     run = subprocess.run([SHEARCTL, "measure", "--json", "--field", "x", *options, *paths],
                          check=True, capture_output=True, encoding="utf-8")
     return numbers(json.loads(run.stdout))
@@ -401,13 +401,13 @@ class DaemonTest(unittest.TestCase):
         self.assertEqual(caught.exception.code, code, caught.exception)
 
     def assertTurns(self, daemon, limit_ms):
-        """No turn since its start took as long; within a test of turns."""
+        """Check that no turn since its start took as long; within a test of turns."""
         loop = daemon.call("status")["loop"]
         if loop["longest_ms"] >= limit_ms:
             raise LongTurn(f"a turn of {loop['longest_ms']:.1f} ms is not below {limit_ms:.1f}: {loop}")
 
     def assertRow(self, daemon, field, expected, jobs, message=None):
-        """The field has one row, of so many jobs, with these numbers to the last bit."""
+        """Check that the field has one row, of this many jobs, with these numbers to the last bit."""
         rows = daemon.call("field", field=field)["rows"]
         self.assertEqual(len(rows), 1, message)
         self.assertEqual((rows[0]["jobs"], rows[0]["unfinished"]), (jobs, 0), message)

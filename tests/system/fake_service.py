@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A service that says what a test tells it to: JSON-RPC over a Unix socket, as docs/protocol.md has it."""
+"""A service with replies chosen by a test: JSON-RPC over a Unix socket, as docs/protocol.md has it."""
 import json
 import os
 import socket

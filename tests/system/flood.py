@@ -35,7 +35,7 @@ def connect(path):
 
 
 class Pump:
-    """Connections that send as much as is taken, and read it all, or never."""
+    """Connections that send as much as is accepted, and read all replies, or none."""
 
     def __init__(self, path, data, reads=True, repeat=True):
         self.path, self.data, self.reads, self.repeat = path, data, reads, repeat
@@ -73,7 +73,7 @@ class Pump:
 
 
 def pump(path, n, data, reads=True, repeat=True):
-    """n connections; those that are lost are made anew."""
+    """n connections; lost ones are opened again."""
     many = Pump(path, data, reads, repeat)
     while True:
         with contextlib.suppress(OSError):
@@ -83,7 +83,7 @@ def pump(path, n, data, reads=True, repeat=True):
 
 
 def knock(path):
-    """All the connections that are given, held, and more tried for."""
+    """Hold all the connections that are accepted, and try to get more."""
     held = []
     while True:
         try:
@@ -96,7 +96,7 @@ def knock(path):
 
 @contextlib.contextmanager
 def flooding(function, *arguments, uid=None, processes=1):
-    """The function runs in other processes (as another user) meanwhile."""
+    """Run the function in other processes (as another user) meanwhile."""
     pids = []
     for _ in range(processes):
         pid = os.fork()
@@ -125,7 +125,7 @@ def memory_of(pid):
 
 
 class Watchdog:
-    """Takes what the service tells systemd; the longest time between two signs of life."""
+    """Receive the notifications to systemd; return the longest time between two signs of life."""
 
     def __init__(self, path):
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)

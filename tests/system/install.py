@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An installation of the build directory BUILD by CMAKE, beneath a prefix that nobody knew when it was built."""
+"""An installation of the build directory BUILD by CMAKE, beneath a prefix that was not known when it was built."""
 import os
 import subprocess
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tests of the service's subcommands share: a service that says what each test wants, and shearctl told of it."""
+"""What tests of the service's subcommands share: a service with replies chosen by each test, and shearctl connected to
+it."""
 from fake_service import FakeService
 from tool import SANITIZED, ToolTest, shearctl
 

@@ -13,7 +13,7 @@ WAIT = 120  # seconds, for what takes less than one
 
 class TerminalTest(ToolTest):
     def start(self, *args, columns=80, rows=24, term="xterm", streams=("stderr",), env=None):
-        """shearctl with these of its streams on a terminal of so many columns; (process, the terminal's other end)."""
+        """shearctl with these of its streams on a terminal of this many columns; (process, the terminal's other end)."""
         main, other = pty.openpty()
         self.addCleanup(os.close, main)
         subprocess.run(["stty", "cols", str(columns), "rows", str(rows)], stdin=other, check=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bad input: each a clear error, at once, in little memory, from measure as from validate."""
+"""Bad input: a clear error for each, at once and in little memory, from measure and validate alike."""
 import gzip
 import math
 import os

@@ -52,7 +52,7 @@ class Doctor(ServiceTest):
         self.assertIn("not a socket", found["socket"]["message"])
 
     def program(self, check=0, text="the configuration is good", roots=""):
-        """A sheard of our own, that says this of its configuration; the PATH to find it on."""
+        """A sheard that reports this about its configuration; returns the PATH that finds it."""
         os.makedirs(self.path("bin"), exist_ok=True)
         path = self.path("bin/sheard")
         with open(path, "w", encoding="utf-8") as file:
@@ -78,7 +78,7 @@ esac
         return {"PATH": self.path("bin") + ":" + os.environ["PATH"]}
 
     def alone(self, env, **me):
-        """Findings of a copy of the tool that has no sheard beside it: the one of PATH is found."""
+        """Findings of a copy of the tool without a sheard beside it, so that the one of PATH is found."""
         os.makedirs(self.path("alone"), exist_ok=True)
         tool = shutil.copy(SHEARCTL, self.path("alone/shearctl"))
         process = subprocess.run([tool, "doctor", "--json"], capture_output=True, text=True, check=False, timeout=120,
@@ -87,7 +87,7 @@ esac
         return process.returncode, found, {f["subject"]: f for f in found}
 
     def test_the_service_is_asked(self):
-        """For what it sees, of its own configuration: nothing of that is here."""
+        """The running service is asked about its own configuration, of which nothing is here."""
         reason = "data root /mnt/away is missing: No such file or directory"
         gone = {"path": "/mnt/away", "missing": True, "reason": reason}
         disks = [{"use": use, "path": f"/nonexistent/{use}", "free_bytes": n << 30, "bytes": 9 << 30,
@@ -111,7 +111,7 @@ esac
             self.assertNotIn(name, found)
 
     def test_a_disk_of_the_service(self):
-        """Every one that it writes to: gone, or full."""
+        """Every directory that the service writes to: missing, or full."""
         disk = {"use": "state", "path": "/s", "free_bytes": 6 << 30, "bytes": 9 << 30, "same_as": None, "problem": None}
         gone = {**disk, "use": "catalogues", "path": "/c", "free_bytes": 0, "problem": "No such file or directory"}
         full = {**disk, "use": "scratch", "path": "/t", "free_bytes": 0}
@@ -123,7 +123,7 @@ esac
                           "scratch": ("fail", "/t: only 0 B free")})
 
     def test_data_roots_are_the_services_word(self):
-        """What --check-config makes of them here counts only where nobody answers."""
+        """The result of --check-config here counts only if no service answers."""
         self.serve(status=status(config=self.touch("sheard.conf")), probe=PROBED)
         env = self.program(text="sheard.conf:3: warning: [access] data_roots: '/x': Permission denied")
         self.assertEqual(self.alone(env)[2]["config"]["level"], "ok")
@@ -145,7 +145,7 @@ esac
         self.assertEqual(self.findings()[1]["sandbox"]["level"], "warn")
 
     def test_an_older_service(self):
-        """It tells neither paths nor whether it measures: the rest is looked at as without it."""
+        """An old service reports neither paths nor whether it measures: the rest is checked as without a service."""
         old = {k: v for k, v in status().items() if k not in ("config", "state_dir", "catalogues", "user", "roots")}
         self.serve(status=old)
         _, found = self.findings()
@@ -154,7 +154,7 @@ esac
         self.assertIn("seccomp", found)
 
     def test_it_tries_to_write(self):
-        """That the directory is there is not enough."""
+        """It is not enough that the directory exists."""
         for name in ("state", "data", "spool/incoming", "spool/active", "spool/done", "spool/failed"):
             os.makedirs(self.path(name))
         for top, _, _ in os.walk(self.path("")):

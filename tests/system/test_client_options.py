@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Options and operands of the service's subcommands: wrong ones, and what help and completion data say of them."""
+"""Options and operands of the service's subcommands: wrong ones, and those in help and completion data."""
 import re
 import unittest
 

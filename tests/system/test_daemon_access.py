@@ -12,7 +12,7 @@ USER, OTHER = 65501, 65502  # uids, of nobody here
 
 
 def as_user(test, uid, do, groups=()):
-    """do() as that user, in a child: it must not raise."""
+    """Call do() as that user, in a child; it must not raise."""
     child = os.fork()
     if child == 0:
         try:
@@ -54,7 +54,7 @@ class Access(DaemonTest):
         return path
 
     def test_names_that_nobody_has(self):
-        """A user who has left does not keep the service from starting, and a group that is not there lets nobody in."""
+        """A user who has left does not prevent the start of the service, and a missing group admits nobody."""
         lists = {"access.admin_users": "root, left-9", "access.priority_groups": "gone-9",
                  "access.submit_groups": "missing-9"}
         said = [f"there is no {what}: nobody has its rights"
@@ -126,7 +126,7 @@ class Access(DaemonTest):
         self.assertEqual(self.d.submit(inside, wait=True)["state"], "done")
 
     def test_magic_links(self):
-        """A data root that holds links of the kernel's: they do not lead out of it."""
+        """Links of the kernel in a data root do not lead out of it."""
         outside = mock(os.path.join(self.directory, "outside.fits"), 8, 32)
         with open(outside, "rb") as f:
             d = self.daemon({"access.data_roots": "/proc"}, name="proc")
@@ -136,7 +136,7 @@ class Access(DaemonTest):
                     d.submit(path)
 
     def test_swapped_after_submission(self):
-        """What is opened when its turn comes is looked at again."""
+        """Permissions are checked again when the job starts and opens its file."""
         self.d.settings["daemon.max_active_jobs"] = 1
         self.d.write_config()
         self.d.call("reload")

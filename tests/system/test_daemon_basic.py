@@ -220,7 +220,7 @@ class Running(Jobs):
         self.assertRow(self.d, "slow", measured([path], *SLOW_OPTIONS), 1)
 
     def notices(self, client, method, enough):
-        """Read on until enough(params of these notifications); they all."""
+        """Read until enough(params of these notifications); return all of them."""
         def found():
             return [n["params"] for n in client.notices if n["method"] == method]
         while not enough(found()):
@@ -270,7 +270,7 @@ class Running(Jobs):
                 self.assertEqual(other.call("subscribe", jobs=[done])["jobs"], 0)
 
     def test_field_changes_are_told_once_a_second(self):
-        """Many jobs of one field: few notices of it, and the last one has all of them."""
+        """Many jobs of one field: few notifications, and the last one includes all jobs."""
         count = 12
         paths = [self.data(f"part{i}.fits", seed=i + 1) for i in range(count)]
         with self.d.client() as client:

@@ -53,7 +53,7 @@ class Budget(DaemonTest):
               "all is given back")
 
     def test_impossible(self):
-        """Refused once and for all, with what is needed, what there is, and the setting; smaller jobs are not in its way."""
+        """Refused for good; the message has the memory needed, the limit and the setting. Smaller jobs run meanwhile."""
         budget = 100 * MIB // LESS
         daemon = self.daemon({"limits.memory": str(budget)})
         job = daemon.wait_state(self.heavy(daemon, 1)[0], *FINAL)

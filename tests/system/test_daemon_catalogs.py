@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The directory of catalogs belongs to one database, and holds no catalog that no job has ended
-with. FAULTSHIM in the environment is the library that kills at a chosen call."""
+"""The directory of catalogs belongs to one database, and holds only catalogs with which a job
+has ended. FAULTSHIM in the environment is the library that kills at a chosen call."""
 import contextlib
 import itertools
 import os
@@ -63,14 +63,14 @@ class Owner(DaemonTest):
         self.assertNotIn("error", other.start().call("status"))
 
     def test_two_at_once(self):
-        """Both running: the second does not come up, the first goes on."""
+        """Both run: the second does not start, the first continues."""
         first = self.with_catalogs("first", 1)
         self.assertRefuses(self.one("other"))
         path = mock(os.path.join(first.data, "more.fits"), 16, 32, 7)
         first.wait_state(first.submit(path)["id"], "done")
 
     def test_reload(self):
-        """As a start: another's directory is refused, a new one is made and marked."""
+        """As at a start: another database's directory is refused, a new one is created and marked."""
         first, other = self.with_catalogs("first"), self.one("other")
         own = other.settings["catalogues.directory"] = os.path.join(self.directory, "own")
         other.write_config()
@@ -139,7 +139,7 @@ class Owner(DaemonTest):
         return first
 
     def test_own_of_before(self):
-        """It knows what lies there; also catalogs whose jobs are retired stay, and orphans."""
+        """It knows its directory: catalogs of retired jobs stay, and orphans, too."""
         first = self.unmarked()
         with sqlite3.connect(os.path.join(first.state, "sheard.db")) as base:
             base.execute("pragma foreign_keys = on")

@@ -144,7 +144,7 @@ class Checkpoint(DaemonTest):
         return [row[0] for row in rows]
 
     def interrupt(self, daemon, job, meanwhile=lambda: None):
-        """Kill it when a checkpoint is due, and start it again; the blocks that it saved."""
+        """Kill it when a checkpoint is due, and start it again; return the blocks that it saved."""
         due = time.monotonic() + CHECKPOINT_S + 1
         until(lambda: time.monotonic() > due, "a checkpoint is due")
         before = daemon.job(job)["progress"]["done"]
@@ -173,7 +173,7 @@ class Checkpoint(DaemonTest):
         self.assertEqual(endings, ["interrupted", "done"])
 
     def test_resume_with_terms(self):
-        """The terms of before the kill are beside the sums: the symmetry is that of one run."""
+        """The terms from before the kill are stored with the sums: the symmetry is that of one run."""
         daemon = self.daemon({"daemon.workers": 1})
         job, path = self.large(daemon, estimator="pdf-sym")
         saved = self.interrupt(daemon, job)
@@ -196,7 +196,7 @@ class Checkpoint(DaemonTest):
         return [n for n in os.listdir(daemon.path("catalogues")) if n.endswith(".part")]
 
     def test_resume_with_catalog(self):
-        """The rows of before the kill are on disk: the catalog is that of an uninterrupted run,
+        """The rows from before the kill are on disk: the catalog is that of an uninterrupted run,
         to the last byte."""
         daemon = self.daemon({"daemon.workers": 1, "catalogues.enabled": "true"})
         job, path = self.large(daemon)
@@ -215,7 +215,7 @@ class Checkpoint(DaemonTest):
         self.assertEqual(self.kept(daemon), [])
 
     def test_without_its_rows_it_begins_anew(self):
-        """And what is left of jobs that are over goes at the start, what is cancelled at once."""
+        """Temporary files of ended jobs are removed at the start, those of cancelled ones at once."""
         daemon = self.daemon({"daemon.workers": 1, "catalogues.enabled": "true"})
         job, _ = self.large(daemon)
 

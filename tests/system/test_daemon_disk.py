@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A full disk, on a small file system of its own (so root is needed): refusals that say why, and
-when there is room again, all goes on and nothing is lost."""
+"""A full disk, on a small file system of its own (so root is needed): refusals give the reason;
+once there is room again, work continues and nothing is lost."""
 import errno
 import os
 import subprocess
@@ -26,7 +26,7 @@ class Full(DaemonTest):
         self.expected = measured([self.part])
 
     def fill(self):
-        """Until not one byte more goes in."""
+        """Fill it to the last byte."""
         with open(self.disk + "/filler", "ab", buffering=0) as f:
             for size in (1 << 16, 1 << 12, 1):
                 try:
@@ -39,7 +39,7 @@ class Full(DaemonTest):
         os.unlink(self.disk + "/filler")
 
     def submit_until_refused(self, prefix):
-        """Submits one after the other; ids of the accepted ones, and the refusal."""
+        """Submit one after the other; return the ids of the accepted ones, and the refusal."""
         accepted = {}
         while len(accepted) < 5000:
             key = f"{prefix}{len(accepted)}"
@@ -113,7 +113,7 @@ class Full(DaemonTest):
         self.assertEqual(set(os.listdir(where)), {".sheard-database", os.path.basename(done["catalogue"])})
 
     def test_restart_when_full(self):
-        """A start on a full disk works, or says why not; nothing is lost by it."""
+        """A start on a full disk works or reports why not, and loses nothing."""
         job = self.d.submit(self.part, field="f", wait=True)
         self.d.kill()
         self.fill()

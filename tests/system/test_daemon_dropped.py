@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dropped files: what was taken is measured, whatever interrupts; and what ended badly can be tried
-again, for as long as its file is there."""
+"""Dropped files: what was accepted is measured, despite interruptions; a failed one can be tried
+again as long as its file exists."""
 import os
 import random
 import shutil
@@ -63,7 +63,7 @@ class Restart(DaemonTest):
         self.finished(daemon.start())
 
     def test_other_defaults(self):
-        """What a file was to be measured with was settled when it was taken."""
+        """The settings of a file are those of the time when it was accepted."""
         daemon = self.full(8)
         daemon.kill()
         daemon.settings["measure.beta"] = "1.4"
@@ -73,7 +73,7 @@ class Restart(DaemonTest):
         self.assertEqual(len(betas), 1, betas)
 
     def test_moved_spool(self):
-        """The spool as a whole lies elsewhere at the next start."""
+        """The whole spool has moved before the next start."""
         daemon = self.full(8)
         daemon.kill()
         os.rename(daemon.spool, daemon.path("elsewhere"))
@@ -82,7 +82,7 @@ class Restart(DaemonTest):
         self.finished(daemon.start(), 8)
 
     def test_job_file(self):
-        """Its input is gone when it is told again: that is its job's failure, not the file's."""
+        """Its input is missing when the file is announced again: the job fails, the file is not lost."""
         daemon = self.daemon({**SLOW_MEASURE, "daemon.workers": 1, "daemon.max_active_jobs": 1,
                               "retry.attempts": 1})
         path = large(os.path.join(daemon.data, "large.fits"))
@@ -127,7 +127,7 @@ class Retry(DaemonTest):
         self.assertEqual(len(daemon.jobs()), jobs)
 
     def test_names(self):
-        """What it was called, and where it is."""
+        """Its original name, and its place."""
         daemon, job = self.one()
         record = daemon.job(job)
         self.assertEqual(record["dropped_name"], "a.fits")
@@ -171,7 +171,7 @@ class Retry(DaemonTest):
         self.succeeds(daemon.start(), job)
 
     def test_place_unknown(self):
-        """As in a database of 0.1, or after a power cut: its report tells which file it is."""
+        """As in a database of 0.1, or after a power failure: the report identifies the file."""
         daemon, job = self.cancelled()
         daemon.stop()
         with sqlite3.connect(os.path.join(daemon.state, "sheard.db")) as base:
@@ -212,7 +212,7 @@ class Retry(DaemonTest):
         self.succeeds(daemon, job)
 
     def test_refused(self):
-        """Where the job may not run again, its file stays where it is."""
+        """If the job may not run again, its file stays where it is."""
         daemon, job = self.cancelled()
         daemon.settings["limits.queue"] = 1
         daemon.write_config()
@@ -258,7 +258,7 @@ class Crashes(DaemonTest):
         daemon.kill()
 
     def settle(self, daemon):
-        """All that was cancelled is tried again, until nothing is left to do."""
+        """Retry all cancelled jobs, until nothing is left to do."""
         def done():
             with daemon.client() as client:
                 for job in client.call("jobs", states=["cancelled"], limit=200)["jobs"]:

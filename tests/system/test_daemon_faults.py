@@ -75,7 +75,7 @@ class Faults(DaemonTest):
         daemon.drop(None, "bad.fits", self.contents[0][:5000])
 
     def work(self, daemon, acknowledged):
-        """All of it, or as much as the daemon lives to do."""
+        """All of it, or as much as the daemon does before it dies."""
         daemon.spawn()
         self.drop(daemon)
         self.submit(daemon, acknowledged)

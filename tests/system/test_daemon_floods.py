@@ -58,7 +58,7 @@ class Floods(DaemonTest):
 
     @turns
     def test_looking(self):
-        """Long lists, asked for without end, by many that read and by as many that never do."""
+        """Long lists, requested endlessly by many clients that read and as many that never do."""
         ids = self.submitted(JOBS)
         self.d.wait_idle()
         wait = flood.line("wait", ids=ids, timeout_s=0) * 16
@@ -72,7 +72,7 @@ class Floods(DaemonTest):
 
     @turns
     def test_waiting_and_watching(self):
-        """Many clients wait for jobs that do not end, and many are told of all jobs and do not read, while jobs come and
+        """Many clients wait for jobs that do not end, many subscribe to all jobs and do not read, while jobs come and
         go."""
         self.d.held(self.d.submit(mock(self.d.data + "/long.fits", 20000, 64))["id"])
         ids = self.submitted(JOBS)
@@ -88,7 +88,7 @@ class Floods(DaemonTest):
 
     @turns
     def test_connections(self):
-        """One user takes all that are given: the others, and administrators, get in."""
+        """One user takes all connections of a user: other users and administrators still connect."""
         status = self.withstood((flood.knock,), (flood.knock,))
         if OTHER is not None:
             self.assertLess(status["connections"], 410)

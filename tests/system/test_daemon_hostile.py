@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bad files and bad clients: each gets its answer, and the others are served meanwhile.
+"""Bad files and bad clients: each gets an error, and others are served meanwhile.
 SHEARD_MUTANTS malformed files (from SHEARD_SEED), SHEARD_CLIENTS clients at once,
 SHEARD_MALFORMED bad messages."""
 import contextlib
@@ -60,7 +60,7 @@ class Mutants:
         return self.flip(data, begin, min(begin + BLOCK, len(data)))
 
     def absurd(self, data):
-        """Other values of keywords that say how large and what the data are."""
+        """Change values of keywords for the size and type of the data."""
         out = bytearray(data)
         keys = [i for i in range(0, len(out), 80) if out[i:i + 8] in KEYS]
         for at in self.rng.sample(keys, min(len(keys), self.rng.choice((1, 1, 2, 5)))):
@@ -68,7 +68,7 @@ class Mutants:
         return bytes(out)
 
     def garbage(self, data):
-        """A piece of it is noise: in packed files, mostly of the compressed data."""
+        """Replace a piece by noise: in packed files, mostly in the compressed data."""
         n = self.rng.randrange(1, 4000)
         at = self.rng.randrange(max(1, len(data) - n))
         return data[:at] + self.rng.randbytes(n) + data[at + n:]
@@ -88,7 +88,7 @@ class Mutants:
 
 class BadFiles(DaemonTest):
     def packed(self, path):
-        """The field, tile-compressed with several algorithms, where there is fpack."""
+        """The field, tile-compressed with several algorithms, if fpack is installed."""
         if not shutil.which("fpack"):
             return []
         out = []
@@ -315,7 +315,7 @@ class BadClients(DaemonTest):
         self.served()
 
     def test_long_line(self):
-        """Is told, whatever becomes of the connection; the others go on."""
+        """The client gets an error, whatever happens to the connection; others are served."""
         with self.d.client() as other, self.d.client() as client:
             with contextlib.suppress(BrokenPipeError, ConnectionResetError):
                 client.send(b"x" * 300000 + b"\n")
@@ -342,7 +342,7 @@ class BadClients(DaemonTest):
         self.served()
 
     def refusal(self, client):
-        """None, or what the service said before it hung up."""
+        """None, or what the service sent before it hung up."""
         with contextlib.suppress(OSError):  # it may have hung up before this
             client.ask("hello")
         try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The service's log where nobody reads it: it serves, it stops in time, and it says what was lost."""
+"""A log that nobody reads: the service works, stops in time, and reports how much was lost."""
 import contextlib
 import os
 import re
@@ -27,7 +27,7 @@ class LogTest(DaemonTest):
         return d, reading
 
     def chatter(self, d):
-        """Thousands of lines: a file of a wrong name is worth one."""
+        """Produce thousands of lines: one per file with a wrong name."""
         for i in range(LINES):
             with open(d.folder("incoming", f"{'n' * 150}{i:05d}.txt"), "wb"):
                 pass

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names from outside, wherever they are printed: no control and no invisible character reaches a
-terminal or the log, whoever prints it."""
+"""Names from outside: no control character and no invisible one reaches a terminal or the log,
+whichever program prints it."""
 import json
 import os
 import shutil

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The method probe: it measures by the engine's own way, tells exactly why it cannot, and holds up nobody."""
+"""The method probe: it measures with the engine, reports exactly why it cannot, and delays nobody."""
 import json
 import os
 import shutil

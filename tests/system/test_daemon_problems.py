@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an operator is told: jobs that wait and why, disks, and files that are left lying; by status,
+"""What an operator sees: waiting jobs with the reason, disks, and ignored files; by status,
 metrics, doctor and the log. FAULTSHIM (faultshim.c) makes disks fail."""
 import gzip
 import os
@@ -114,7 +114,7 @@ class ProblemsTest(DaemonTest):
         self.assertRegex(d.log_text(), rf"job {number} \(f\) waits: ")
 
     def test_a_full_state(self):
-        """Nothing can be stored: status says since when, how often, and that it is tried again."""
+        """Nothing can be stored: status shows since when, how often, and that it is tried again."""
         d = self.daemon(SLOW, preload=FAULTSHIM, start=False)
         d.env.update(FAULT_BELOW=d.state, FAULT_CALLS="w", FAULT_AT="60", FAULT_HOW="ENOSPC",
                      FAULT_LENGTH="1000000000")

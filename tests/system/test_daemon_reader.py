@@ -52,7 +52,7 @@ class Hashing(DaemonTest):
         until(lambda: not daemon.children(), "its reader is gone")
 
     def test_two_signals(self):
-        """The first one waits for the running jobs, the second one for nothing. The job goes on at the next start."""
+        """The first signal waits for the running jobs, the second one for nothing. The job continues at the next start."""
         daemon = self.daemon({"reader.max_file_bytes": "1024T", "daemon.drain_timeout": "1h"})
         job = self.hashing(daemon)
         daemon.signal(signal.SIGTERM)
@@ -137,7 +137,8 @@ class Scratch(DaemonTest):
         self.assertIn("1048576 bytes", job["message"])
 
     def test_bomb(self):
-        """More than its disk can ever hold: bad data, once; the disk is free again, and the next file is measured."""
+        """More than its disk can ever hold: the job fails once as bad data; the disk is freed, and the next file is
+        measured."""
         disk = self.disk("48m")
         daemon = self.daemon({"reader.scratch": disk})
         self.assertOnce(daemon.submit(self.put(daemon, "bomb.fits.gz", bomb(3000)), wait=True), disk)
@@ -173,7 +174,7 @@ class Scratch(DaemonTest):
         self.assertIn("[reader] scratch", daemon.log_text())
 
     def test_one_number(self):
-        """What is said of the limit is the limit."""
+        """The message has the limit that is in force."""
         root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
         for name, text in (("config/sheard.conf", "#unpacked = 64G"), ("docs/field-files.md", "is limited to 64 GiB"),
                            ("core/include/shear/field.h", "#define SHEAR_UNPACK_LIMIT (INT64_C(64) << 30)")):
@@ -215,7 +216,7 @@ class TooLarge(DaemonTest):
         self.assertRow(daemon, "small", measured([small]), 1)
 
     def test_at_its_turn(self):
-        """The limit was lowered, without a restart, while the job waited. The file has grown: as well."""
+        """The limit was lowered, without a restart, while the job waited; or the file has grown."""
         daemon = self.daemon({"daemon.max_active_jobs": 1, "daemon.workers": 1})
         first = daemon.held(daemon.submit(mock(os.path.join(daemon.data, "a.fits"), 800, 32), settings=SLOW)["id"])
         large = mock(os.path.join(daemon.data, "large.fits"), 200, 32)

@@ -128,7 +128,7 @@ class ResultsTest(DaemonTest):
         self.assertEqual(found, 1, "no core was found from the galaxies: the test is blunt")
 
     def test_doubtful_psfs(self):
-        """What is said of PSFs is kept with the file: also when the job is long gone."""
+        """Warnings about PSFs are kept with the file, even when the job is no longer listed."""
         d = self.daemon({"retention.jobs_max_count": "1"})
         for own in (False, True):
             field = Field(n=4, name=f"own-{own}")
@@ -148,7 +148,7 @@ class ResultsTest(DaemonTest):
         self.assertEqual(self.row(d, "own-True")["warnings"], expected["warnings"])
 
     def test_doubtful_psfs_of_later_files(self):
-        """As `shearctl measure` of the files in this order tells them."""
+        """As `shearctl measure` of the files in this order reports them."""
         d, paths = self.daemon(), []
         for i, level in enumerate((0.0, 0.02, 0.0, 0.03)):
             field = Field(n=4 + i, name="several")
@@ -224,7 +224,7 @@ class ResultsTest(DaemonTest):
         self.assertEqual(os.path.basename(file["path"]), "dropped.fits")
 
     def test_no_shear(self):
-        """Galaxy and noise swapped: the job is counted, and job and field tell the reason as measure does."""
+        """Galaxy and noise swapped: the job is counted, and job and field give the reason as measure does."""
         d = self.daemon()
         path = mock(d.path("data", "swapped.fits"), 48, 32, 1, "--white", "0.3")
         parts = {"galaxy": {"path": path, "hdu": 2}, "noise": {"path": path, "hdu": 1},
@@ -246,7 +246,7 @@ class ResultsTest(DaemonTest):
             self.assertIn("swapped?", reason)
 
     def test_in_the_same_words(self):
-        """show and field say what was done in the lines of measure; a field's as ranges over its files."""
+        """show and field describe the processing in the lines of measure; a field's as ranges over its files."""
         d = self.daemon()
         paths = [mock(d.path("data", f"{r}.fits"), 64, 48, int(r), "--no-r-gal", "--white", "0.3", "--r-gal", r)
                  for r in ("4", "5")]

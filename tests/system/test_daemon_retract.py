@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was counted is taken back: the field is then what it would be had the file never been there;
-and a field that one file keeps from being measured says which."""
+"""What was counted is taken back: the field is then as if the file had never been counted; and a
+field without a result because of one file names it."""
 import os
 import shutil
 import sqlite3
@@ -79,7 +79,7 @@ class Retract(DaemonTest):
         self.assertEqual(set(self.catalogs()), names)
 
     def test_last_one(self):
-        """A field without contributions is gone; who watches it is told."""
+        """A field without contributions is removed; its subscribers are notified."""
         daemon = self.daemon_
         job = self.count(self.file("a.fits", 1))["id"]
         with daemon.client() as client:
@@ -192,7 +192,7 @@ class Retract(DaemonTest):
             self.daemon_.call("field", field="f")
 
     def test_forget_several(self):
-        """Each reply tells of its own field, whatever else is being forgotten."""
+        """Each reply is about its own field, whatever else is being forgotten."""
         daemon = self.daemon_
         paths = [self.file(f"{i}.fits", i + 1, 2) for i in range(3)]
         for path in paths:
@@ -255,7 +255,7 @@ class Retract(DaemonTest):
         return other
 
     def test_forget_retired(self):
-        """Catalogs of jobs that are not known any more go, too."""
+        """Catalogs of jobs that are no longer listed are removed, too."""
         daemon = self.daemon_
         other = self.retired()
         digest = next(r["digest"] for r in daemon.call("field", field="f")["rows"] if r["digest"] != other["digest"])
@@ -264,7 +264,7 @@ class Retract(DaemonTest):
         self.assertEqual(self.catalogs(), [os.path.basename(other["catalogue"])])
 
     def test_forget_in_another_s(self):
-        """The directory has been left to another database: what is called as theirs were is that one's."""
+        """The directory now belongs to another database: files of the same names are not touched."""
         daemon = self.daemon_
         self.retired()
         with open(daemon.path("catalogues", ".sheard-database"), "w", encoding="ascii") as f:
@@ -300,7 +300,7 @@ class Retract(DaemonTest):
 
     @turns
     def test_culprit_of_many(self):
-        """Whose file it is, is looked for while others are served: also among very many."""
+        """The cause is searched while others are served, even among very many files."""
         daemon = self.daemon_
         many = 10000
         self.count(self.file("good.fits", 1, 2))

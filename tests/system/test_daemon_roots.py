@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A data root that is not there stops nobody: the service starts and reloads, says so wherever it is asked, and jobs beneath
-it wait, however long, and run when it comes."""
+"""A missing data root stops nobody: the service starts and reloads, and reports it; jobs beneath it wait, however long, and
+run once it exists."""
 import datetime
 import json
 import os
@@ -111,7 +111,7 @@ class MissingRoot(DaemonTest):
         self.assertIn(f"{self.missing} (missing)", said.stdout)
 
     def test_a_dropped_job_file_waits(self):
-        """It is no job yet, and becomes one when its root is there."""
+        """It is not a job yet, and becomes one when its root exists."""
         d = self.daemon_with(self.missing)
         d.drop(None, "k.json", json.dumps({"path": os.path.join(self.missing, "a.fits")}).encode())
         until(lambda: d.dropped("active"), "it is taken")

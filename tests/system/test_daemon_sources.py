@@ -192,7 +192,7 @@ class Separate(Sources):
 
 
 class Changing(Sources):
-    """A process of its own that writes to a file which is being measured."""
+    """A separate process that writes to a file which is being measured."""
 
     def setUp(self):
         super().setUp()
@@ -221,7 +221,7 @@ class Changing(Sources):
         return mock(os.path.join(self.directory, "other.fits"), stamps, 32, 99)
 
     def test_rewritten_in_place(self):
-        """The same name, inode, size and time of modification: only the change time tells."""
+        """The same name, inode, size and time of modification: only the change time differs."""
         stamps = stamps_for(3, 32, *SLOW_OPTIONS)
         path = mock(os.path.join(self.d.data, "a.fits"), stamps, 32, 98)
         job = self.running(path=path)
@@ -250,7 +250,7 @@ class Changing(Sources):
         self.check(job, "noise-1.fits", numbers(measured_parts(parts, *SLOW_OPTIONS)))
 
     def test_truncated(self):
-        """The reader stumbles over what is not there any more: the change is the reason, not the
+        """The reader fails at data that have been removed: the reason is the change, not bad
         data."""
         path = mock(os.path.join(self.d.data, "a.fits"), stamps_for(3, 32, *SLOW_OPTIONS), 32, 98)
         job = self.running(path=path)
@@ -261,7 +261,7 @@ class Changing(Sources):
         self.assertEqual((first["class"], first["code"]), ("transient", "file_changed"))
 
     def test_gives_up(self):
-        """One that never rests: given up after the configured attempts, nothing is counted."""
+        """A file that keeps changing: the job fails after the configured attempts, nothing is counted."""
         self.d.settings["retry.attempts"] = 2
         self.d.write_config()
         self.d.call("reload")
@@ -313,7 +313,7 @@ class Rights(Sources):
         self.assertEqual(self.d.wait_state(job, *FINAL)["state"], "done")
 
     def test_no_other_groups(self):
-        """Whose rights end between submission and turn does not have it measured."""
+        """The file is not measured if its user loses the rights between submission and start."""
         slow, path = self.busy(), self.shared()
         job = self.submit_as(USER, [self.GROUP], path=path)
         os.chown(path, 0, self.GROUP + 1)

@@ -94,7 +94,7 @@ class Symmetry(DaemonTest):
                                  [expected[k] for k in ("g1", "g2_err")])
 
     def test_the_last_change_is_told(self):
-        """Also where it comes while the one before is being solved: between two ticks of the service,
+        """Also if it arrives while the one before is being solved: between two ticks of the service,
         which are a second apart."""
         with self.service.client() as client:
             client.call("subscribe", fields=["f"])

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The real service behind what the shipped unit does to its system calls (unit_filter.py): does it measure? The list in
-test_systemd.py says what must be allowed; this finds what nobody thought of. SHEARD_SERVICE is the unit as built.
+test_systemd.py says what must be allowed; this finds what that list lacks. SHEARD_SERVICE is the unit as built.
 
 As root, the service runs as nobody, as a service does; else as whoever runs the test."""
 import gzip

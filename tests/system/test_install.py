@@ -15,7 +15,7 @@ from tool import SANITIZED
 
 
 class Installed(DaemonTest):
-    """Beneath a prefix that nobody knew when it was built, and moved away from there again."""
+    """Beneath a prefix that was not known when it was built, and moved from there once more."""
 
     def setUp(self):
         super().setUp()

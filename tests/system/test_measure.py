@@ -178,7 +178,7 @@ class Report(ToolTest):
         self.assertIn("stamps/s", answer.out)
 
     def test_what_was_done(self):
-        """A line each: filter, background, artefacts, noise level, influence; the noise level's with the number of the
+        """One line for each: filter, background, artefacts, noise level, influence; the noise level's with the number of the
         warning."""
         def lines(field, *options):
             out = shearctl("measure", field.write(self.path("a.fits")), *options).out
@@ -294,7 +294,7 @@ class Files(ToolTest):
             self.assertLess(abs(result[k] - truth), 5 * result[k + "_err"])
 
     def test_both_estimators_are_told(self):
-        """From 200 used stamps on, whatever is asked for, with the same numbers; and in words."""
+        """From 200 used stamps on, for any --estimator, with the same numbers; also as text."""
         path = self.path("many.fits")
         self.assertEqual(shearctl("mock", path, "--size", 32, "--points", 30, "--r-gal", 4, "--stamps", 240, "--white", 0.3,
                                   "--shear", "0.02,-0.03", "--rotate", 1).code, 0)

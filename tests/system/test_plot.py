@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shearctl plot: pictures of field files and catalogs, where they go, and what it says when it cannot."""
+"""shearctl plot: pictures of field files and catalogs, their paths, and error messages."""
 import os
 import stat
 import struct
@@ -11,7 +11,7 @@ from tool import DONE, INPUT, OTHER, USAGE, ToolTest, shearctl
 
 
 def read_png(path):
-    """Width, height and rows of a PNG of 8-bit colours; every checksum is looked at."""
+    """Width, height and rows of a PNG of 8-bit colours; every checksum is checked."""
     with open(path, "rb") as file:
         data = file.read()
     assert data[:8] == b"\x89PNG\r\n\x1a\n", path

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """docs/protocol.md, docs/protocol.schema.json and the code say the same. PROTOCOL_PROBE in the environment is the path of
-protocol_probe, which tells what the code knows and reads messages as the code does. With python3-jsonschema the examples are
-validated by it; they are always validated by the small validator below."""
+protocol_probe, which prints what the code knows and reads messages as the code does. With python3-jsonschema the examples
+are validated by it; they are always validated by the small validator below."""
 import copy
 import json
 import os

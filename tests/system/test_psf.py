@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""PSFs that are none, or doubtful: what measure and validate say of them, and that good ones pass in silence."""
+"""Images that are no PSFs, or doubtful ones: the messages of measure and validate, and no message about good ones."""
 import random
 import unittest
 

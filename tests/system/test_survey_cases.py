@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shearctl says, by its default settings, of files as surveys make them: each case that would bias the shear is told,
-with its cause, and a good file is told nothing. How large the biases are is `shear-paper survey` (validation/survey.md).
+"""Warnings of shearctl, with default settings, about files as surveys make them: each case that would bias the shear is
+reported with its cause, and there is no warning about a good file. How large the biases are is `shear-paper survey`
+(validation/survey.md).
 
-A case marked `awaited` is one that the tool does not tell yet; it fails once the tool does, and the mark is to go."""
+A case marked `awaited` is one that the tool does not report yet. Its test fails once the tool does: remove the mark
+then."""
 import math
 import random
 import re
@@ -94,7 +96,8 @@ class NoiseUnderTheGalaxies(Case):
         return field
 
     def test_noise_stamps_without_noise(self):
-        """Told with its cause, and nothing else is; by how much is what the noise level finds where it can."""
+        """Reported with its cause, and nothing else; the size of the bias is that from the noise level, if it can be
+        measured."""
         self.tells(self.without_noise(3.0, sky=50.0), r"noise stamps hold no noise.*makes the shear 2[0-9] % too large",
                    bad=True)
         self.assertEqual([w.count("noise stamps hold no noise") for w in self.result["warnings"]], [1])
@@ -106,7 +109,7 @@ class NoiseUnderTheGalaxies(Case):
         self.tells(self.without_noise(3.0, r_psf=0.7, size=1.5), r"noise stamps hold no noise", bad=True)
 
     def test_rounding_is_no_noise(self):
-        """Over a bright sky pixels round, and what that leaves tells no noise level."""
+        """Over a bright sky pixels round, and the rest gives no noise level."""
         for sigma in (0.0, 3.0):
             for wiggle, bitpix in ((1e-12, -64), (3e-4, -32)):
                 with self.subTest(sigma=sigma, wiggle=wiggle):
@@ -296,7 +299,7 @@ class SmallStamps(Case):
 
 class Wings(Case):
     def test_no_advice_that_harms(self):
-        """Wings that a stamp cuts are no neighbours: a filter at the edge would bias the shear."""
+        """Wings that are cut off are not neighbours: a filter at the edge would bias the shear."""
         field = bright(nx=32, ny=32, sigma=0.01)
         for i, stamp in enumerate(field.galaxy):
             flux = sum(stamp)

@@ -125,7 +125,7 @@ class SystemCalls(unittest.TestCase):
 
 
 class Agreement(unittest.TestCase):
-    """The unit files and the daemon's defaults tell the same story."""
+    """The unit files agree with the daemon's defaults."""
 
     def setUp(self):
         self.service = {key: values[-1] for key, values in entries(text_of(SERVICE)).items()}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shearctl's front: subcommands, help, version, and what it says to wrong options."""
+"""shearctl's command line: subcommands, help, version, and errors about wrong options."""
 import os
 import subprocess
 import unittest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shearctl validate: what it says of good files and of those that are half good. Bad files are in
+"""shearctl validate: reports on good files and on those that are partly good. Bad files are in
 test_bad_input.py."""
 import math
 import random
@@ -131,7 +131,7 @@ class Validate(ToolTest):
         self.assertEqual(self.measure_one(path, *args)["n_used"], 3)
 
     def test_weights_of_the_flux(self):
-        """Weights made of the stamps' own flux are told of, by rank; others, and few, are not."""
+        """Weights made of the stamps' own flux are reported, by rank; others, and few ones, are not."""
         field = Field(n=60, nx=24, ny=24, sigma=2.0)
         fluxes = [sum(stamp) for stamp in field.galaxy]
         self.assertIsNone(self.validate(field.write(self.path("none.fits")))["weight_follows_flux"])
@@ -178,7 +178,7 @@ class Validate(ToolTest):
             self.assertEqual(self.validate(path, *harmless)["advice"], "")
 
     def spoilt(self, field, *args):
-        """The verdict on a file that would give no shear, and what measure says of the same."""
+        """The verdict on a file that would give no shear, and the message of measure."""
         path = field.write(self.path("spoilt.fits"))
         answer = shearctl("validate", "--json", path, *args)
         self.assertCode(answer, INPUT)
@@ -221,7 +221,7 @@ class Validate(ToolTest):
         self.assertIn("OVERSAMP", verdict["advice"])
 
     def test_it_measures_what_measure_does(self):
-        """To the last bit, also where blocks of stamps end within what is read at once."""
+        """To the last bit, also if blocks of stamps end within one read."""
         field = Field(n=37, nx=32, ny=32, size=2.0, r_psf=1.5, sigma=2.0)
         field.columns = [("WEIGHT", "D", [1.0 + 0.1 * i for i in range(37)])]
         path = field.write(self.path("a.fits"))
@@ -231,7 +231,7 @@ class Validate(ToolTest):
         self.assertEqual({**verdict["influence"], "top_file": path}, result["influence"])
 
     def noisy(self, under, beside, n=64):
-        """Galaxies in noise of `under` sigma a pixel with noise stamps of `beside`."""
+        """Galaxies in noise of `under` sigma per pixel with noise stamps of `beside`."""
         field = Field(n=n, nx=32, ny=32, size=2.0)
         rng = random.Random(11)
         for stamps, sigma in ((field.galaxy, under), (field.noise, beside)):

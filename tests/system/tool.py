@@ -62,7 +62,7 @@ def shearctl(*args, cwd=None, timeout=60, file_size=None, env=None):
 
 
 class ToolTest(unittest.TestCase):
-    """A test with a directory of its own (self.path) and what it may say about an answer."""
+    """A test with a directory of its own (self.path) and checks of an answer."""
 
     def setUp(self):
         directory = tempfile.TemporaryDirectory()
@@ -76,7 +76,7 @@ class ToolTest(unittest.TestCase):
         self.assertEqual(answer.code, code, f"\nstdout: {answer.out}\nstderr: {answer.err}")
 
     def assertFails(self, answer, code, *words):
-        """Exit code; and, on standard error, one error in our form that has all the words."""
+        """Check the exit code and that standard error has one error in the usual form with all the words."""
         self.assertCode(answer, code)
         self.assertRegex(answer.err, r"^shearctl: error: ")
         for word in words:

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is said of a result: thresholds, the direction of what would change, and every reason for no
- * shear by a name of its own. */
+/* Advice about results: thresholds, the direction of changes, and a separate name for each reason
+ * of no shear. */
 #include "test.h"
 
 #include "sheard/advice.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pixels that no sky has made. What a sum of PSFs can do is known in closed form for Gaussians:
- * beside a PSF's centre the neighbours have exp(-1/(2 s^2)) of it, and nowhere less. */
+/* Artefacts: pixels that are no sky light. The limits of a sum of PSFs are known in closed form for
+ * Gaussians: beside a PSF's centre the neighbours have exp(-1/(2 s^2)) of it, and nowhere less. */
 #include "gaussian.h"
 #include "measure/artefact.h"
 #include "measure/sharpness.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Whole reads and writes, through pipes that take and give little at a time; clocks. */
+/* Complete reads and writes, through pipes that transfer little at a time; clocks. */
 #include "base/cleanup.h"
 #include "base/clock.h"
 #include "base/io.h"

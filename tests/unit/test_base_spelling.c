@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The name that was probably meant. */
+/* Suggestions for misspelled names. */
 #include "base/spelling.h"
 #include "test.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The decoder against an encoder, over all of Unicode; and what is not well formed. */
+/* The decoder against an encoder, over all of Unicode; and ill-formed input. */
 #include "base/utf8.h"
 #include "test.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Result catalogs: what is written is read back, and the header says how it came about. */
+/* Result catalogs: rows are read back as written, and the header has the settings and the result.
+ */
 #include "catalog_fixture.h"
 #include "fits_fixture.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Catalogs that are gone on with after their process has died: the file is the one that an
- * uninterrupted process makes, to the last byte; and what cannot be gone on with is refused. */
+/* Catalogs that are resumed after their process has died: the file is the one that an
+ * uninterrupted process makes, to the last byte; and those that cannot be resumed are refused. */
 #include "catalog_fixture.h"
 #include "fits_fixture.h"
 

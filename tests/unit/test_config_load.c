@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The file: its syntax, and every way of being wrong, with file and line. */
+/* The configuration file: its syntax, and every error, with file and line. */
 #include "config_file.h"
 #include "file.h"
 #include "origin.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Contradictions, differences, and taking over a configuration while it is in use. */
+/* Contradictions, differences, and reloading a configuration while it is in use. */
 #include "config_file.h"
 
 #include <stdlib.h>

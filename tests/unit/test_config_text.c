@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is written: the sample, the effective configuration, the manual, the options; and that no
- * damage to a file does more than make it wrong. */
+/* What is written: the sample, the effective configuration, the manual, the options; and damaged
+ * files, which are at worst refused. */
 #include "config_file.h"
 #include "value.h"
 

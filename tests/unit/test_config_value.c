@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Every type of value: what is read, what is refused and how, and that it is written as it is read.
+/* Every type of value: accepted and refused texts, errors, and that values are written as they are
+ * read.
  */
 #include "config_file.h"
 #include "value.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Kept plans: equal bases share one, anything that differs does not, the bounds hold, what is in
- * use is never given up, and no plan is part of the load twice. */
+/* Kept plans: equal inputs share one, different ones do not; the limits hold, plans in use are
+ * never freed, and no plan is counted twice. */
 #include "engine/budget.h"
 #include "engine/internal.h"
 #include "engine/plan_cache.h"

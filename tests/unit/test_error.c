@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors: codes, messages too long for their place, prefixes, and no place at all. */
+/* Errors: codes, messages too long for their place, prefixes, and no error struct at all. */
 #include "test.h"
 
 #include "shear/error.h"

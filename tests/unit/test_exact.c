@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The exact accumulator: no order, no split and no cancellation changes a bit, and it rounds once,
+/* The exact accumulator: order, split and cancellation change no bit, and the sum is rounded once,
  * to nearest. */
 #include "pair.h"
 #include "test.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Transforms of eight lanes: against the sum that defines them, laws, and what the contract says of
+/* Transforms of eight lanes: against the sum that defines them, laws, and the contract for
  * buffers. */
 #include "fft/fft.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Spoiled field files: each is a clear error at once, whatever its header says. */
+/* Damaged field files: each is a clear error at once, whatever its header says. */
 #include "fits_fixture.h"
 
 #include <stdio.h>

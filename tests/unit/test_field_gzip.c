@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Spoiled gzip files, and no room for what is in good ones. */
+/* Damaged gzip files, and no room to unpack good ones. */
 #include "fits_fixture.h"
 
 #include <signal.h>

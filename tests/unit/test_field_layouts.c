@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Field files written and read back, in every layout: what comes out is what went in, to the last
+/* Field files written and read back, in every layout: pixels are read as written, to the last
  * bit. */
 #include "fits_fixture.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The noise level that a field's sums tell, its part in the error, which stamp counts most, and why
+/* The noise level from a field's sums, its part in the error, which stamp counts most, and why
  * there is no shear. */
 #include "gaussian.h"
 #include "pair.h"

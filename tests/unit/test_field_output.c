@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How field files are put in place: whole, under the right name, or not at all. */
+/* How field files get their names: complete, under the right name, or not at all. */
 #include "fits_fixture.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields whose parts lie in separate files and HDUs: however they are put apart, they read as the
- * field file that they were cut from, to the last bit; and what does not fit together is refused.
+/* Fields whose parts lie in separate files and HDUs: for every split they read as the field file
+ * that they were cut from, to the last bit; parts that do not belong together are refused.
  */
 #include "fits_fixture.h"
 

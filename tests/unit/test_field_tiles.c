@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Spoiled tile-compressed files: refused before CFITSIO unpacks them, because it trusts what it
+/* Damaged tile-compressed files: refused before CFITSIO unpacks them, because it trusts what it
  * unpacks. */
 #include "fits_fixture.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The border filter: its formula and symmetry, the rules for its core, and the flux it is said to
- * remove. */
+/* The border filter: its formula and symmetry, the rules for its core, and the flux that it
+ * removes. */
 #include "gaussian.h"
 #include "oracle.h"
 #include "pair.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What leaves a stamp out: each flag by itself and together with others, the NaNs of flagged rows,
- * and that their neighbours in the batch do not notice. */
+/* The reasons to leave a stamp out: each flag by itself and together with others, the NaNs of
+ * flagged rows, and unchanged neighbours in the batch. */
 #include "batch.h"
 #include "gaussian.h"
 #include "pair.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Framing: what comes out does not depend on how the bytes went in. */
+/* Framing: the lines do not depend on how the bytes arrive in pieces. */
 #include "scarce.h"
 #include "sheard/frame.h"
 #include "test.h"

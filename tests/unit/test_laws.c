@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What must come out where the same sky is recorded in another way: shifted, turned, mirrored. beta
+/* Laws for the same sky recorded in another way: shifted, turned, mirrored. beta
  * is set, because the PSF's measured radius may differ by its own small error between an image and
  * its mirror image. */
 #include "gaussian.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What plans, workspaces and workers are said to take is what malloc gives them. */
+/* The computed memory of plans, workspaces and workers is what malloc gives them. */
 #include "gaussian.h"
 #include "shear/work.h"
 #include "test.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The option table, and what a spec may not be. */
+/* The option table, and specs that are refused. */
 #include "test_mock_fixture.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a pair tells of its noise: the noise's own moments, of one noise stamp or several, and the
+/* What a pair shows of its noise: the noise's own moments, of one noise stamp or several, and the
  * power at high k. */
 #include "gaussian.h"
 #include "pair.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a plan decides where the settings say auto, and what it refuses. Without a PSF of its own
- * its radius is given exactly. */
+/* What a plan chooses for settings that are auto, and what it refuses. Without a PSF image its
+ * radius is given exactly. */
 #include "gaussian.h"
 #include "pair.h"
 #include "test.h"

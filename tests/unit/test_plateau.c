@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Laws of shot_noise=plateau: flat power is taken off exactly, and what is left of white noise
+/* Laws of shot_noise=plateau: flat power is subtracted exactly, and the rest of white noise
  * averages out. */
 #include "measure/plateau.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What failed lately: one note per trouble, and not too many lines about it in the log. */
+/* Recent failures: one note per problem, and a limited number of lines about it in the log. */
 #include "service/core/problem_notes.h"
 #include "test.h"
 

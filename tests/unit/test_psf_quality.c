@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a PSF image tells of itself: each flaw is found, measured, and about as harmful as it is
- * said to be; images without any are passed in silence. */
+/* The quality of PSF images: each flaw is found, measured, and about as harmful as reported;
+ * there is no message about images without any. */
 #include "gaussian.h"
 #include "pair.h"
 #include "test.h"

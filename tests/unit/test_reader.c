@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A reader that fails before it has read a request: its explanation arrives, whatever the order in
- * which its end and our question come. */
+/* A reader that fails before it has read a request: its explanation arrives, in whatever order its
+ * end and our request come. */
 #include "fits_fixture.h"
 #include "reader/reader.h"
 #include "test.h"

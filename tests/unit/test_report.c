@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* JSON reports: numbers that read back to the same bits, null for what is not finite, text of any
- * bytes, and no leak when memory ends at the n-th allocation. */
+ * bytes, and no leak when the n-th allocation fails. */
 #include "test.h"
 
 #include "sheard/account.h"

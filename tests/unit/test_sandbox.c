@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What code that has taken a reader over can still do: in the sandbox it tries all that reached
- * beyond it once, and more. The victim stands for the service: another process of the same user.
+/* What code that has taken over a reader can still do: it tries everything that once got out of
+ * the sandbox, and more. The victim stands for the service: another process of the same user.
  * Each attempt is proved to work outside the sandbox, where it is harmless: an attempt that fails
  * everywhere proves nothing. */
 #include "reader/sandbox.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the row answers to brightness: units of flux, noise, PSFs of another flux or sampling; and
+/* How a row depends on brightness: units of flux, noise, PSFs of another flux or sampling; and
  * stamps of every size. */
 #include "gaussian.h"
 #include "oracle.h"

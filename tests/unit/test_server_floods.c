@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many clients, and clients that send more than anybody can answer: the others are served. */
+/* Many clients, and clients that send more than the service can answer: others are served. */
 #include "server_fixture.h"
 
 #include "test.h"

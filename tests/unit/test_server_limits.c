@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Every limit, and that a client that runs into them does not hold up the others. */
+/* Every limit, and that a client that reaches one does not delay others. */
 #include "server_fixture.h"
 
 #include "test.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The socket file: who owns it, who may connect and when, what stands in the way. */
+/* The socket file: its owner, who may connect and when, and what prevents its creation. */
 #include "server_fixture.h"
 
 #include "test.h"

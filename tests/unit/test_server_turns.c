@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Whose turn it is, deferred work, and the one budget of what is not read. */
+/* Whose turn it is, deferred work, and the common budget of unread replies. */
 #include "server_fixture.h"
 
 #include "server/users.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Laws of the settings' table: every entry, every value, every kind of nonsense. */
+/* Laws of the settings' table: every entry, every value, every kind of wrong text. */
 #include "pair.h"
 #include "test.h"
 

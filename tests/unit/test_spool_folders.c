@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The directory, its lock, and folders that go away. */
+/* The directory, its lock, and folders that disappear. */
 #include "spool_fixture.h"
 
 #include <fcntl.h>

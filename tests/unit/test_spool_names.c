@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which names are taken, and what becomes of them. */
+/* Which names are accepted, and the names that files get. */
 #include "test.h"
 
 #include "spool/names.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From incoming/ to active/: what is taken, when, and what is not. */
+/* From incoming/ to active/: which files are taken, and when. */
 #include "spool_fixture.h"
 
 #include <fcntl.h>

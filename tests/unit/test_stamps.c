@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many stamps through one plan: PSFs of their own, what does not depend on the neighbours, and
- * errors that name the stamp. */
+/* Many stamps through one plan: PSFs of their own, independence of the neighbours, and errors
+ * that name the stamp. */
 #include "batch.h"
 #include "gaussian.h"
 #include "pair.h"

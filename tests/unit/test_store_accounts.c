@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the store keeps of every file that was counted, and what it tells of the jobs that wait. */
+/* What the store keeps of every file that was counted, and what it reports about the jobs that
+ * wait. */
 #include "store/database.h"
 #include "store/schema.h"
 #include "store_test.h"

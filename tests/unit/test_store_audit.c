@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The checks find what they are for: damage, and every kind of contradiction. */
+/* The audit finds damage, and every kind of contradiction. */
 #include "store/database.h"
 #include "store_audit.h"
 #include "store_test.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A service is killed at random moments, again and again, over one database. Whatever it had told
- * to anybody is there afterwards; every done job is counted once; every field is the exact join of
- * what was counted. */
+/* A service is killed at random moments, again and again, over one database. Whatever it had
+ * acknowledged is there afterwards; every done job is counted once; every field is the exact join
+ * of what was counted. */
 #include "store_audit.h"
 #include "store_test.h"
 

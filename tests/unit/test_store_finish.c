@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The good end: checkpoints, contributions, duplicates, and the exact sums of fields. */
+/* The end of a measured job: checkpoints, contributions, duplicates, and the exact sums of fields.
+ */
 #include "store_test.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job's way through its states, all but the good end (test_store_finish.c). */
+/* A job's way through its states, all but the end with a result (test_store_finish.c). */
 #include "store_test.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random sequences of every operation, groups and restarts among them, on the store and on a model
- * of it: same answers, same state. */
+ * of it: same replies, same state. */
 #include "store_audit.h"
 #include "store_model.h"
 #include "store_test.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A database of schema version 5 (before 0.2): its sums have no noise parts and do not tell the
- * stamp that counts most, its stamps' terms are shorter. What was counted stays, and can be joined
+/* A database of schema version 5 (before 0.2): its sums have no noise parts and no stamp that
+ * counts most, its stamps' terms are shorter. What was counted stays, and can be joined
  * and taken back as before. */
 #include "store/database.h"
 #include "store/schema.h"

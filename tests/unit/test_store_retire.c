@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Retention: jobs go, what they contributed stays. */
+/* Retention: jobs are removed, their contributions stay. */
 #include "store/database.h"
 #include "store_audit.h"
 #include "store_test.h"

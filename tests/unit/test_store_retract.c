@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What was counted is taken back: the database's fields are then, byte for byte, those of a
+/* Contributions are taken back: the database's fields are then, byte for byte, those of a
  * database that never had it. */
 #include "store/database.h"
 #include "store_audit.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a job comes in: its record, its limits, its key, the queue's bound. */
+/* How a job is submitted: its record, its limits, its key, the queue's bound. */
 #include "store_test.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Interpolation of whole images: the paper's formulas, the logarithms, and what becomes of zeros
+/* Interpolation of whole images: the paper's formulas, the logarithms, and the treatment of zeros
  * and negative pixels. */
 #include "gaussian.h"
 #include "oracle.h"

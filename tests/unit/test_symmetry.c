@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* PDF symmetrization: the response in closed form, fields whose answer is known, the same bits in
- * any order, honest errors. */
+/* PDF symmetrization: the response in closed form, fields whose shear is known, the same bits in
+ * any order, correct errors. */
 #include "gaussian.h"
 #include "pair.h"
 #include "test.h"

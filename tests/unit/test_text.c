@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is shown of names from outside. */
+/* How names from outside are shown. */
 #include "shear/text.h"
 #include "test.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One answer for any number of threads, to the last bit; and plans made and used by many threads at
+/* One result for any number of threads, to the last bit; and plans made and used by many threads at
  * once. */
 #include "batch.h"
 #include "gaussian.h"
