@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* command.h: the definition of a subcommand of shearctl, and the table of all subcommands. Each
- * file in commands/ defines one; CMakeLists.txt lists them. */
+/* command.h: the definition of a subcommand of shearctl, and the table of all subcommands. They are
+ * defined in commands/, each with its help in NAME.txt; CMakeLists.txt lists them. */
 #pragma once
 
 #include "terminal/exit_code.h"
@@ -16,6 +16,7 @@ struct command {
     const char *usage;
     /* argv[0] is the subcommand's name. --help and -h are handled by main.c. */
     enum exit_code (*run)(const command *self, int argc, char **argv);
+    const void *data; /* for `run`, or NULL */
 };
 
 #define COMMAND_SETTINGS_MARK "@SETTINGS@"

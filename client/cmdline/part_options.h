@@ -16,15 +16,6 @@
         {.name = "psf", .text = &(parts)->given[SHEAR_PART_PSF]}, {                                \
         .name = "catalog-in", .text = &(parts)->given[SHEAR_PART_CATALOG]                          \
     }
-#define PART_OPTIONS_HELP                                                                          \
-    "  --galaxy FILE[:HDU]     galaxy stamps in a file of their own. HDU is a number from 0 or\n"  \
-    "                          a name (default: GALAXY, else the first that holds an image)\n"     \
-    "  --noise FILE[:HDU]      noise stamps (default: NOISE, else the first image)\n"              \
-    "  --psf FILE[:HDU]        PSF image or images (default: PSF, else the first image)\n"         \
-    "  --catalog-in FILE[:HDU]  the table that goes with them (default: CATALOG of the "           \
-    "galaxies'\n"                                                                                  \
-    "                          file, if it has one); with a field file: in place of its "          \
-    "own\n"
 
 /* The arguments of these options: "FILE", "FILE:HDU", or NULL if not given. Initialize with {0}. */
 typedef struct part_options {

@@ -3,6 +3,7 @@
 #include "doctor/doctor.h"
 
 #include "base/cleanup.h"
+#include "commands/commands.h"
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     CLEANUP(doctor_deinit) doctor d = {.config = NULL};
@@ -17,18 +18,5 @@ const command cmd_doctor = {
     .name = "doctor",
     .summary = "is the set-up of the service sound?",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl doctor [OPTION...]\n"
-    "\n"
-    "Look at the program and configuration of the service, its socket and who may connect, release and\n"
-    "protocol, disks, spool, clocks, data roots. A running service is asked for its paths and what it\n"
-    "sees of them, and measures a tiny field of its own. If no service answers, doctor checks the paths\n"
-    "as the user who runs it (root tries as the user sheard), and what the kernel offers.\n"
-    "Each line is OK, WARN or FAIL, with the remedy. Nothing is changed.\n"
-    "\n"
-    "  --config FILE           the configuration (default: the installed one)\n"
-    SERVICE_OPTIONS_HELP "\n"
-    "exit status: 0 sound (maybe with warnings), 1 something failed, 2 usage.\n",
-    /* clang-format on */
+    .usage = usage_doctor,
 };

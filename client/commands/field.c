@@ -2,6 +2,7 @@
 /* shearctl field: the current shear of one field in the service. */
 #include "base/cleanup.h"
 #include "base/text.h"
+#include "commands/commands.h"
 #include "remote/report_text.h"
 #include "remote/service.h"
 #include "terminal/human.h"
@@ -122,18 +123,5 @@ const command cmd_field = {
     .name = "field",
     .summary = "the shear of one field, as it is now",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl field [OPTION...] NAME\n"
-    "\n"
-    "Print the shear of a field with its errors, over all jobs that are finished. Jobs of different\n"
-    "settings are kept apart, a result for each digest of settings.\n"
-    "\n"
-    "  --digest TEXT           only the result of these settings\n"
-    "  --jobs                  list the jobs that were counted (the first 100)\n"
-    "  --limit N               list at most N of them (up to 1000)\n"
-    "  --after ENTRY           list those after this entry\n"
-    SERVICE_OPTIONS_HELP "\n"
-    SERVICE_EXIT_CODES_HELP ".\n",
-    /* clang-format on */
+    .usage = usage_field,
 };

@@ -2,6 +2,7 @@
 /* shearctl fields: list all fields, one per line. */
 #include "base/cleanup.h"
 #include "base/clock.h"
+#include "commands/commands.h"
 #include "remote/field_table.h"
 #include "remote/page_list.h"
 #include "terminal/message.h"
@@ -57,18 +58,5 @@ const command cmd_fields = {
     .name = "fields",
     .summary = "list the fields and their shear",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl fields [OPTION...] [PREFIX]\n"
-    "\n"
-    "List the fields whose names begin with PREFIX, or all, by name: the shear with its errors, the\n"
-    "stamps used, the jobs counted and those to come. A field that was measured with different\n"
-    "settings has a line for each of them.\n"
-    "\n"
-    "  --limit N               at most N\n"
-    "  --cursor TEXT           continue where an earlier list ended\n"
-    "  --brief                 only the names\n"
-    SERVICE_OPTIONS_HELP "\n"
-    SERVICE_EXIT_CODES_HELP ".\n",
-    /* clang-format on */
+    .usage = usage_fields,
 };

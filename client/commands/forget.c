@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl forget: remove all contributions to a field. */
 #include "base/cleanup.h"
-#include "remote/service.h"
+#include "commands/commands.h"
+#include "remote/service_query.h"
 #include "terminal/message.h"
 
 #include <getopt.h>
@@ -25,18 +26,13 @@ static enum exit_code explain(service *s, const sheard_msg_forget *what) {
     return EXIT_CODE_USAGE;
 }
 
-static enum exit_code forget(service *s, const sheard_params *p) {
-    sheard_reply reply = {0};
+static void print(const sheard_reply *reply, const service *s) {
+    const sheard_msg_forgotten *r = &reply->forget;
     char name[256];
-    const enum exit_code code = service_answer(s, SHEARD_METHOD_FORGET, p, &reply);
-    if (code == EXIT_CODE_DONE && !s->json) {
-        const sheard_msg_forgotten *r = &reply.forget;
-        printf("field %s forgotten: %" PRId64 " results of %" PRId64 " contributions, %" PRId64
-               " jobs retracted\n",
-               message_clean(r->field, name, sizeof name), r->rows, r->contributions, r->jobs);
-    }
-    sheard_reply_deinit(&reply, SHEARD_METHOD_FORGET);
-    return code;
+    (void)s;
+    printf("field %s forgotten: %" PRId64 " results of %" PRId64 " contributions, %" PRId64
+           " jobs retracted\n",
+           message_clean(r->field, name, sizeof name), r->rows, r->contributions, r->jobs);
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {
@@ -50,25 +46,12 @@ static enum exit_code run(const command *self, int argc, char **argv) {
                                     {0}};
     TRY(service_start(self, argc, argv, options, &s, "field", 1, 1));
     p.forget.field = argv[optind];
-    return yes ? forget(&s, &p) : explain(&s, &p.forget);
+    return yes ? service_ask(&s, SHEARD_METHOD_FORGET, &p, print) : explain(&s, &p.forget);
 }
 
 const command cmd_forget = {
     .name = "forget",
     .summary = "take back all that was counted in a field",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl forget [OPTION...] NAME\n"
-    "\n"
-    "Take back everything that was counted in a field, as retract does for each of its jobs, including\n"
-    "those that the service no longer lists. Refused while jobs of the field are unfinished.\n"
-    "Administrators only. The field is gone at once; with very many jobs the removal takes a while, and\n"
-    "continues if shearctl ends.\n"
-    "\n"
-    "  --digest TEXT           only the result of these settings\n"
-    "  --yes                   do it; otherwise only report what would be taken back\n"
-    SERVICE_OPTIONS_HELP "\n"
-    SERVICE_EXIT_CODES_HELP ".\n",
-    /* clang-format on */
+    .usage = usage_forget,
 };

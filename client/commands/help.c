@@ -2,9 +2,9 @@
 /* shearctl help [SUBCOMMAND]. Three hidden options: --settings-man and --man SUBCOMMAND (the help
  * text with a reference to SETTINGS) generate the manual page (man/paste.cmake); --completion-data
  * generates the shells' completions. */
-#include "cmdline/command.h"
 #include "cmdline/completion.h"
 #include "cmdline/settings_options.h"
+#include "commands/commands.h"
 #include "terminal/message.h"
 
 #include <string.h>
@@ -45,10 +45,5 @@ const command cmd_help = {
     .name = "help",
     .summary = "explain a subcommand",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl help [SUBCOMMAND]\n"
-    "\n"
-    "Explain a subcommand and its options, or list all subcommands.\n",
-    /* clang-format on */
+    .usage = usage_help,
 };

@@ -2,6 +2,7 @@
 /* shearctl jobs: list jobs, newest first. */
 #include "base/cleanup.h"
 #include "base/clock.h"
+#include "commands/commands.h"
 #include "remote/job_text.h"
 #include "remote/page_list.h"
 #include "terminal/message.h"
@@ -95,20 +96,5 @@ const command cmd_jobs = {
     .name = "jobs",
     .summary = "list the service's jobs",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl jobs [OPTION...]\n"
-    "\n"
-    "List jobs, the newest first.\n"
-    "\n"
-    "  --state STATES          only these, with commas between them: queued, running, waiting,\n"
-    "                          done, failed, cancelled, retracted\n"
-    "  --field NAME            only jobs of this field\n"
-    "  --user USER             only jobs of this user (a name, a number, or me)\n"
-    "  --limit N               at most N (default 50)\n"
-    "  --cursor TEXT           continue where an earlier list ended\n"
-    "  --brief                 only the numbers of the jobs\n"
-    SERVICE_OPTIONS_HELP "\n"
-    SERVICE_EXIT_CODES_HELP ".\n",
-    /* clang-format on */
+    .usage = usage_jobs,
 };

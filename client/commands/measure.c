@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl measure: measure field files, and print the shear of each field. */
 #include "base/cleanup.h"
+#include "commands/commands.h"
 #include "local/catalog_path.h"
 #include "local/measure_group.h"
 #include "local/result_text.h"
@@ -161,31 +162,5 @@ const command cmd_measure = {
     .name = "measure",
     .summary = "measure the shear of field files",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl measure [OPTION...] FILE...\n"
-    "       shearctl measure [OPTION...] FILE --catalog-in FILE[:HDU]\n"
-    "       shearctl measure [OPTION...] --galaxy FILE[:HDU] --noise FILE[:HDU] --psf FILE[:HDU]\n"
-    "\n"
-    "Measure the shear (g1, g2) of each field. Files that name the same field (FIELD) are parts of it and\n"
-    "are joined into one result.\n"
-    "With 200 to 1,000,000 stamps, both the mean and pdf-sym are printed, and which is more precise.\n"
-    "\n"
-    "  --threads N             worker threads (default: all cores); the result does not\n"
-    "                          depend on it\n"
-    "  --field NAME            count all files to this one field\n"
-    "  --jackknife N           errors by the jackknife over N groups of stamps (default:\n"
-    "                          delta method)\n"
-    "  --catalog OUT.fits      write the result of every stamp there; or into an existing\n"
-    "                          directory, as DIRECTORY/BASE.shear.fits for each input\n"
-    "  --force                 replace catalogs that exist\n"
-    PART_OPTIONS_HELP
-    "  --json                  one JSON object per field and line, instead of a table\n"
-    "  --quiet                 no progress bar, no warnings\n"
-    "\n"
-    "settings:\n"
-    COMMAND_SETTINGS_MARK "\n"
-    "\n"
-    "exit status: 0 done, 2 usage, 3 bad input, 4 some files failed, 1 anything else.\n",
-    /* clang-format on */
+    .usage = usage_measure,
 };

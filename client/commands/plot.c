@@ -3,6 +3,7 @@
 #include "plot/plot.h"
 #include "base/cleanup.h"
 #include "cmdline/options.h"
+#include "commands/commands.h"
 #include "local/measure_input.h"
 #include "terminal/message.h"
 
@@ -147,25 +148,5 @@ const command cmd_plot = {
     .name = "plot",
     .summary = "draw a picture (PNG) of a field file or of a result catalog",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl plot [options] FILE\n"
-    "\n"
-    "Of a field file: a sheet with some of its stamps, a row each, through every step of\n"
-    "the measurement (galaxy, noise, interpolated, filtered, noise-corrected power\n"
-    "spectrum, the same with the target PSF), and a row with the PSF, its transfer and\n"
-    "the plan. Of a result catalog (shearctl measure --catalog): the distributions of\n"
-    "the estimator's terms, the shear with its errors, the flags and the stamps' S/N.\n"
-    "\n"
-    "The path of the picture is printed.\n"
-    "\n"
-    "  -o, --output PNG   where it goes; default: FILE's base name with .png, here\n"
-    "  --force            replace an existing picture\n"
-    "  --stamp I          show stamp I only (from 0), usable or not\n"
-    "  --stamps N         show N of the usable stamps, evenly spaced (1 to 12, default 4)\n"
-    "\n"
-    "The sheet shows the measurement with these settings:\n"
-    "\n"
-    COMMAND_SETTINGS_MARK "\n",
-    /* clang-format on */
+    .usage = usage_plot,
 };

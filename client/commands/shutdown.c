@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl shutdown: stop the service. */
 #include "base/cleanup.h"
-#include "remote/service.h"
+#include "commands/commands.h"
+#include "remote/service_query.h"
 #include "remote/status_text.h"
 
 /* Return whether systemd owns the socket: then any client's request would start the service again.
@@ -16,10 +17,14 @@ static bool is_activated(service *s) {
     return activated;
 }
 
+static void print(const sheard_reply *reply, const service *s) {
+    (void)s;
+    status_text_stopping(&reply->shutdown, stdout);
+}
+
 static enum exit_code run(const command *self, int argc, char **argv) {
     CLEANUP(service_close) service s = {0};
     sheard_params p;
-    sheard_reply reply = {0};
     bool now = false;
     sheard_params_init(&p, SHEARD_METHOD_SHUTDOWN);
     const option_entry options[] = {{.name = "now", .flag = &now},
@@ -30,32 +35,17 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     if (now)
         p.shutdown.mode = SHEARD_SHUTDOWN_NOW;
     const bool comes_back = !s.json && is_activated(&s);
-    const enum exit_code code = service_answer(&s, SHEARD_METHOD_SHUTDOWN, &p, &reply);
-    if (code == EXIT_CODE_DONE && !s.json) {
-        status_text_stopping(&reply.shutdown, stdout);
-        if (comes_back) {
-            puts("systemd keeps the socket: the next client, or dropped file, starts the service "
-                 "again; \"systemctl stop sheard.service\" stops both");
-        }
+    TRY(service_ask(&s, SHEARD_METHOD_SHUTDOWN, &p, print));
+    if (comes_back) {
+        puts("systemd keeps the socket: the next client, or dropped file, starts the service "
+             "again; \"systemctl stop sheard.service\" stops both");
     }
-    sheard_reply_deinit(&reply, SHEARD_METHOD_SHUTDOWN);
-    return code;
+    return EXIT_CODE_DONE;
 }
 
 const command cmd_shutdown = {
     .name = "shutdown",
     .summary = "stop the service",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl shutdown [OPTION...]\n"
-    "\n"
-    "Stop the service: it waits for the running jobs, as long as its configuration says. What is\n"
-    "unfinished then goes on from its checkpoint at the next start. Administrators only.\n"
-    "\n"
-    "  --now                   do not wait\n"
-    "  --timeout TIME          wait no longer than this (as 90, 500ms, 5min)\n"
-    SERVICE_OPTIONS_HELP "\n"
-    SERVICE_EXIT_CODES_HELP ".\n",
-    /* clang-format on */
+    .usage = usage_shutdown,
 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl submit: submit files to the service as jobs. */
 #include "base/cleanup.h"
+#include "commands/commands.h"
 #include "remote/follow.h"
 #include "remote/job_text.h"
 #include "remote/submission.h"
@@ -159,29 +160,5 @@ const command cmd_submit = {
     .name = "submit",
     .summary = "hand files to the service, as jobs",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl submit [OPTION...] FILE|JOB.json|-...\n"
-    "       shearctl submit [OPTION...] FILE --catalog-in FILE[:HDU]\n"
-    "       shearctl submit [OPTION...] --galaxy FILE[:HDU] --noise FILE[:HDU] --psf FILE[:HDU]\n"
-    "\n"
-    "Have the service measure field files, or what job files say (JSON, the parameters of submit in\n"
-    "docs/protocol.md; - is one on standard input). A job that was accepted is on disk: it will be done,\n"
-    "even if client or service are killed at any time. Options override what a job file says.\n"
-    "\n"
-    "  --field NAME            count to this field, whatever the file calls it\n"
-    "  --priority N            from -100 to 100; larger is sooner (default 0)\n"
-    "  --key TEXT              idempotency key: submitting again with it gives the same job\n"
-    "  --force                 count even what the field already has\n"
-    PART_OPTIONS_HELP
-    "  --wait                  wait until the jobs are finished, and print their results\n"
-    "  --timeout TIME          with --wait: no longer than this (as 90, 500ms, 5min, 2h)\n"
-    "  --quiet                 no progress bar\n"
-    SERVICE_OPTIONS_HELP "\n"
-    "settings, if they differ from the service's own:\n"
-    COMMAND_SETTINGS_MARK "\n"
-    "\n"
-    "exit status: 0 accepted (with --wait: done), 2 usage, 3 bad input, 4 some failed, 7 the service\n"
-    "cannot be reached, 1 anything else; with --wait also 5 failed, 6 timed out, 8 cancelled.\n",
-    /* clang-format on */
+    .usage = usage_submit,
 };

@@ -2,6 +2,7 @@
 /* shearctl validate: check a field file, and report its content and whether it can be measured. */
 #include "base/cleanup.h"
 #include "cmdline/options.h"
+#include "commands/commands.h"
 #include "local/field_scan.h"
 #include "local/validation.h"
 #include "local/validation_text.h"
@@ -101,19 +102,5 @@ const command cmd_validate = {
     .name = "validate",
     .summary = "tell what is in field files, and whether they would measure",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl validate [OPTION...] FILE...\n"
-    "\n"
-    "Tell what is in each field file, how it would be measured with these settings, which stamps would be\n"
-    "left out and why. Stamps count from 0.\n"
-    "\n"
-    "  --json                  one JSON object per file and line, instead of text\n"
-    "  --quiet                 no progress bar\n"
-    "\n"
-    "settings:\n"
-    COMMAND_SETTINGS_MARK "\n"
-    "\n"
-    "exit status: 0 all files are good, 2 usage, 3 all are bad, 4 some are, 1 anything else.\n",
-    /* clang-format on */
+    .usage = usage_validate,
 };

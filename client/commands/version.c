@@ -2,7 +2,7 @@
 /* shearctl version: print the version, and the compiler and libraries that were used. */
 #include "shear/version.h"
 #include "build_info.h"
-#include "cmdline/command.h"
+#include "commands/commands.h"
 #include "terminal/message.h"
 
 static enum exit_code run(const command *self, int argc, char **argv) {
@@ -17,10 +17,5 @@ const command cmd_version = {
     .name = "version",
     .summary = "print the version, and the libraries that it was built with",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl version\n"
-    "\n"
-    "Print the version, and the compiler and libraries that it was built with.\n",
-    /* clang-format on */
+    .usage = usage_version,
 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl wait: wait until jobs have ended. */
 #include "base/cleanup.h"
+#include "commands/commands.h"
 #include "remote/follow.h"
 #include "terminal/message.h"
 
@@ -31,17 +32,5 @@ const command cmd_wait = {
     .name = "wait",
     .summary = "wait until jobs are finished",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl wait [OPTION...] ID...\n"
-    "\n"
-    "Wait until the jobs are finished, and print how they ended. On a terminal a bar shows what is done,\n"
-    "the rate and the time left. An interrupt ends the waiting, not the jobs.\n"
-    "\n"
-    "  --timeout TIME          wait no longer than this (as 90, 500ms, 5min, 2h)\n"
-    "  --quiet                 no progress bar\n"
-    SERVICE_OPTIONS_HELP "\n"
-    "exit status: 0 all done, 4 some done, 5 failed, 6 timed out, 8 cancelled, 2 usage, 3 no such\n"
-    "job, 7 the service cannot be reached, 1 anything else.\n",
-    /* clang-format on */
+    .usage = usage_wait,
 };

@@ -2,6 +2,7 @@
 /* shearctl watch: a live view of the service. */
 #include "base/cleanup.h"
 #include "base/clock.h"
+#include "commands/commands.h"
 #include "remote/watch_view.h"
 #include "terminal/human.h"
 #include "terminal/message.h"
@@ -127,18 +128,5 @@ const command cmd_watch = {
     .name = "watch",
     .summary = "watch the service live",
     .run = run,
-    /* clang-format off */
-    .usage =
-    "usage: shearctl watch [OPTION...]\n"
-    "\n"
-    "Show the queue, the workers, the rate, the running and the last finished jobs and their fields,\n"
-    "refreshed in place; q or ^C ends. If the service stops, watch waits for it. With --json, or if\n"
-    "standard input or output is not a terminal, one snapshot is printed per interval.\n"
-    "\n"
-    "  --interval TIME         time between two snapshots (default 1s)\n"
-    "  --count N               end after N snapshots\n"
-    "  --jobs N                jobs in each list (default 8)\n"
-    SERVICE_OPTIONS_HELP "\n"
-    SERVICE_EXIT_CODES_HELP ".\n",
-    /* clang-format on */
+    .usage = usage_watch,
 };

@@ -24,15 +24,6 @@ typedef struct service {
         .name = "reply-timeout", .set = service_set_reply_timeout, .context = (s)                  \
     }
 enum exit_code service_set_reply_timeout(const option_entry *entry, const char *value);
-#define SERVICE_OPTIONS_HELP                                                                       \
-    "  --json                  the service's answers as they come, one JSON object per line\n"     \
-    "  --utc                   times in UTC instead of local time\n"                               \
-    "  --socket PATH           the service's socket (default: SHEARD_SOCKET in the environment,\n" \
-    "                          else " CONNECTION_DEFAULT_SOCKET ")\n"                              \
-    "  --reply-timeout TIME    give up on a service that is silent for this long (default 30s)\n"
-#define SERVICE_EXIT_CODES_HELP                                                                    \
-    "exit status: 0 done, 2 usage, 3 no such file, job or field, 4 some of several failed,\n"      \
-    "7 the service cannot be reached, 1 anything else"
 
 /* Set the default options; not connected. */
 void service_init(service *s);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service_query.h: subcommands that send a single request, or one per job on the command line. */
+/* service_query.h: subcommands that send a request, or one per job on the command line, and print
+ * the reply. */
 #pragma once
 
 #include "remote/service.h"
@@ -7,13 +8,15 @@
 /* Print a reply. Not called with --json. */
 typedef void service_printer(const sheard_reply *reply, const service *s);
 
-/* Send a request without parameters. Returns an exit code. */
-enum exit_code service_query(const command *self, int argc, char **argv, int method,
-                             service_printer *print);
+/* Send a request and print the reply, as JSON or by `print`. Returns an exit code. */
+enum exit_code service_ask(service *s, int method, const sheard_params *params,
+                           service_printer *print);
 
-/* Send a request for each job on the command line; `what` names the operands. Returns an exit code.
- */
-enum exit_code service_query_jobs(const command *self, int argc, char **argv, const char *what,
-                                  int method, service_printer *print);
-/* Print the state of a job after cancel, retry or retract. For printers. */
-void service_query_print_job(const sheard_msg_job *job);
+/* What such a subcommand does, as its command.data. */
+typedef struct service_query {
+    int method;
+    service_printer *print;
+    const char *jobs; /* what its operands, numbers of jobs, are called; NULL: it has none */
+} service_query;
+/* The command.run of all these subcommands. */
+enum exit_code service_query_run(const command *self, int argc, char **argv);

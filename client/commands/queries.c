@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The subcommands of shearctl that send a request, or one for each job, and print the reply: show,
+ * cancel, retry, retract, status, metrics, drain, reload. */
+#include "commands/commands.h"
+#include "remote/job_text.h"
+#include "remote/service_query.h"
+#include "remote/status_text.h"
+#include "terminal/message.h"
+#include "terminal/style.h"
+
+#include <inttypes.h>
+
+/* ---- Jobs ---- */
+
+static void show(const sheard_reply *reply, const service *s) {
+    job_text_print(&reply->job, s->utc, stdout);
+}
+
+const command cmd_show = {
+    .name = "show",
+    .summary = "everything about a job",
+    .usage = usage_show,
+    .run = service_query_run,
+    .data = &(const service_query){SHEARD_METHOD_JOB, show, "job"},
+};
+
+/* Print the state of a job. The replies to cancel, retry and retract are the same message. */
+static void print_job(const sheard_reply *reply, const service *s) {
+    const sheard_msg_job *job = &reply->cancel;
+    (void)s;
+    printf("job %" PRId64 " %s%s\n", job->id, sheard_job_state_name(job->state),
+           job->cancel_asked && !sheard_job_state_is_final(job->state) ? ", being cancelled" : "");
+}
+
+const command cmd_cancel = {
+    .name = "cancel",
+    .summary = "cancel jobs",
+    .usage = usage_cancel,
+    .run = service_query_run,
+    .data = &(const service_query){SHEARD_METHOD_CANCEL, print_job, "jobs"},
+};
+
+const command cmd_retry = {
+    .name = "retry",
+    .summary = "run failed or cancelled jobs again",
+    .usage = usage_retry,
+    .run = service_query_run,
+    .data = &(const service_query){SHEARD_METHOD_RETRY, print_job, "jobs"},
+};
+
+const command cmd_retract = {
+    .name = "retract",
+    .summary = "take back what jobs counted",
+    .usage = usage_retract,
+    .run = service_query_run,
+    .data = &(const service_query){SHEARD_METHOD_RETRACT, print_job, "jobs"},
+};
+
+/* ---- The service ---- */
+
+static void print_status(const sheard_reply *reply, const service *s) {
+    status_text_brief(&reply->status, style_on(stdout), stdout);
+    status_text_rest(&reply->status, s->utc, stdout);
+}
+
+const command cmd_status = {
+    .name = "status",
+    .summary = "the state of the service",
+    .usage = usage_status,
+    .run = service_query_run,
+    .data = &(const service_query){SHEARD_METHOD_STATUS, print_status, NULL},
+};
+
+static void print_metrics(const sheard_reply *reply, const service *s) {
+    (void)s;
+    fputs(reply->metrics.text, stdout);
+}
+
+const command cmd_metrics = {
+    .name = "metrics",
+    .summary = "print the service's metrics (Prometheus text)",
+    .usage = usage_metrics,
+    .run = service_query_run,
+    .data = &(const service_query){SHEARD_METHOD_METRICS, print_metrics, NULL},
+};
+
+static void print_stopping(const sheard_reply *reply, const service *s) {
+    (void)s;
+    status_text_stopping(&reply->drain, stdout);
+}
+
+const command cmd_drain = {
+    .name = "drain",
+    .summary = "finish what runs, take nothing new",
+    .usage = usage_drain,
+    .run = service_query_run,
+    .data = &(const service_query){SHEARD_METHOD_DRAIN, print_stopping, NULL},
+};
+
+static void print_list(const char *title, const char *const *names, size_t n) {
+    for (size_t i = 0; i < n; i++) {
+        char name[512];
+        printf("%s %s\n", title, message_clean(names[i], name, sizeof name));
+    }
+}
+
+static void print_reloaded(const sheard_reply *reply, const service *s) {
+    const sheard_msg_reloaded *r = &reply->reload;
+    (void)s;
+    print_list("changed:", r->changed, r->n_changed);
+    print_list("needs a restart:", r->restart, r->n_restart);
+    print_list("warning:", r->warnings, r->n_warnings);
+    if (r->n_changed + r->n_restart == 0)
+        puts("nothing has changed");
+}
+
+const command cmd_reload = {
+    .name = "reload",
+    .summary = "make the service read its configuration again",
+    .usage = usage_reload,
+    .run = service_query_run,
+    .data = &(const service_query){SHEARD_METHOD_RELOAD, print_reloaded, NULL},
+};
