@@ -3,7 +3,7 @@
 #include "base/cleanup.h"
 #include "base/text.h"
 #include "commands/commands.h"
-#include "remote/report_text.h"
+#include "local/report_text.h"
 #include "remote/service.h"
 #include "terminal/human.h"
 #include "terminal/message.h"
@@ -59,7 +59,7 @@ static void print_row(const char *field, const sheard_msg_field_row *row, bool u
     printf("field %s%s\n", message_clean(field, name, sizeof name),
            row->partial ? "  (partial: more is to come)" : "");
     print_jobs(row);
-    report_text_print(row->report, row->reason, stdout);
+    report_text_print(row->report, row->reason, false, stdout);
     if (row->report == NULL && row->reason != NULL)
         text_line(stdout, "reason", "%s", row->reason);
     if (row->culprit.job != 0) {

@@ -43,9 +43,9 @@ static enum exit_code parse(const command *self, int argc, char **argv, measure_
     return check(self, o, argv + optind, argc - optind);
 }
 
-static enum exit_code print_json(const measure_group *g, const measure_options *o) {
+/* Write the report of a measured group as JSON into *text, to be freed by the caller. */
+static enum exit_code make_report(char **text, const measure_group *g, const measure_options *o) {
     shear_error err = {0};
-    CLEANUP(release_free) char *text = NULL;
     CLEANUP(release_free) sheard_report_file *files = calloc(g->n, sizeof *files);
     if (files == NULL)
         return message_no_memory();
@@ -64,23 +64,22 @@ static enum exit_code print_json(const measure_group *g, const measure_options *
         .top_file = top != NULL ? top->path : NULL,
     };
     report.has_truth = measure_group_truth(g, &report.true_g1, &report.true_g2);
-    if (sheard_report_json(&text, &report, &err) != SHEAR_OK)
-        return message_error(&err);
-    puts(text);
-    return EXIT_CODE_DONE;
+    return sheard_report_json(text, &report, &err) != SHEAR_OK ? message_error(&err)
+                                                               : EXIT_CODE_DONE;
 }
 
 static enum exit_code show(const measure_group *g, const measure_options *o) {
-    enum exit_code code = EXIT_CODE_DONE;
+    CLEANUP(release_free) char *report = NULL;
+    TRY(make_report(&report, g, o));
     if (o->json) {
-        code = print_json(g, o);
+        puts(report);
     } else {
-        result_text_print(g, &o->settings.values, stdout);
+        result_text_print(g, report, stdout);
     }
     fflush(stdout); /* write a field's result before the next field is measured */
     if (!o->quiet)
         warnings_print(&g->warnings, g->field);
-    return code;
+    return EXIT_CODE_DONE;
 }
 
 /* Warn of every duplicate, with the field that it belongs to. */

@@ -6,5 +6,5 @@
 
 #include <stdio.h>
 
-/* Print the result of a measured group. `settings` are those of the measurement. */
-void result_text_print(const measure_group *group, const shear_settings *settings, FILE *out);
+/* Print the result of a measured group, whose report is the JSON object `report`. */
+void result_text_print(const measure_group *group, const char *report, FILE *out);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/job_text.h"
 
-#include "remote/report_text.h"
+#include "local/report_text.h"
 
 #include "base/text.h"
 #include "local/value_text.h"
@@ -277,7 +277,7 @@ static void print_outcome(const sheard_msg_job *job, FILE *out) {
         text_line(out, "outcome", "was counted, and was taken back");
     }
     print_text(out, "catalog", job->catalog);
-    report_text_print(job->result, NULL, out);
+    report_text_print(job->result, NULL, false, out);
 }
 
 static void print_history(const sheard_msg_shown *shown, bool utc, FILE *out) {

@@ -71,7 +71,7 @@ static enum exit_code code_of_refusal(int code) {
     }
 }
 
-enum exit_code service_exit_code(enum connection_status status, const sheard_rpc_error *error) {
+static enum exit_code exit_code_of(enum connection_status status, const sheard_rpc_error *error) {
     switch (status) {
     case CONNECTION_OK:
         return EXIT_CODE_DONE;
@@ -88,7 +88,7 @@ enum exit_code service_exit_code(enum connection_status status, const sheard_rpc
 }
 
 enum exit_code service_say(enum connection_status status, const sheard_rpc_error *error) {
-    const enum exit_code code = service_exit_code(status, error);
+    const enum exit_code code = exit_code_of(status, error);
     if (status == CONNECTION_OK)
         return code;
     return status == CONNECTION_REFUSED

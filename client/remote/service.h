@@ -50,9 +50,7 @@ enum exit_code service_call(service *s, int method, const sheard_params *params,
 enum exit_code service_answer(service *s, int method, const sheard_params *params,
                               sheard_reply *reply);
 
-/* Return the exit code for an enum connection_status and its error. service_say also prints the
- * error. */
-enum exit_code service_exit_code(enum connection_status status, const sheard_rpc_error *error);
+/* Print the error unless the status is CONNECTION_OK. Returns its exit code. */
 enum exit_code service_say(enum connection_status status, const sheard_rpc_error *error);
 
 /* The exit code of a subcommand with several operands, all of which are tried: EXIT_CODE_PARTLY if

@@ -33,11 +33,7 @@ static void say(const char *kind, const char *text) {
     fprintf(stderr, "shearctl: %s: %s\n", kind, message_clean(text, clean, sizeof clean));
 }
 
-enum exit_code message_error(const shear_error *err) {
-    return message_fail(message_exit_code(err->code), err->advice, "%s", err->message);
-}
-
-enum exit_code message_exit_code(int shear_code) {
+static enum exit_code exit_code_of(int shear_code) {
     switch (shear_code) {
     case SHEAR_OK:
         return EXIT_CODE_DONE;
@@ -52,6 +48,10 @@ enum exit_code message_exit_code(int shear_code) {
     default:
         return EXIT_CODE_OTHER;
     }
+}
+
+enum exit_code message_error(const shear_error *err) {
+    return message_fail(exit_code_of(err->code), err->advice, "%s", err->message);
 }
 
 /* Print "shearctl: KIND: ...", formatted as by vprintf. */

@@ -12,9 +12,8 @@
 #include <stddef.h>
 
 /* Print the error, and its advice, if any, on a second line. Returns the exit code for an error in
- * reading an input (message_exit_code). */
+ * reading an input. */
 enum exit_code message_error(const shear_error *err);
-enum exit_code message_exit_code(int shear_code);
 /* Print an error of shearctl itself, and an advice unless it is NULL or "". Returns `code`. */
 enum exit_code message_fail(enum exit_code code, const char *advice, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

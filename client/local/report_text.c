@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "remote/report_text.h"
+#include "local/report_text.h"
 
 #include "local/method_text.h"
 #include "local/quality_text.h"
@@ -37,11 +37,14 @@ static void print_method(const sheard_report_summary *s, FILE *out) {
 }
 
 static void print_component(const char *name, double g, double error, double truth, double pull,
-                            FILE *out) {
+                            bool own, FILE *out) {
     char value[96];
     value_text(g, error, value, sizeof value);
     if (!isfinite(g)) {
         text_line(out, name, "not measured");
+    } else if (isfinite(truth) && own) {
+        text_line(out, name, "%s   truth %+.*f   pull %+.2f", value, value_text_decimals(error),
+                  truth, pull);
     } else if (isfinite(truth)) {
         text_line(out, name, "%s   truth %+.6g   pull %+.2f", value, truth, pull);
     } else {
@@ -67,12 +70,12 @@ static void print_quality(const sheard_report_summary *s, FILE *out) {
         quality_text_print(&q, out);
 }
 
-static void print_summary(const sheard_report_summary *s, const char *reason, FILE *out) {
+static void print_summary(const sheard_report_summary *s, const char *reason, bool own, FILE *out) {
     value_text_print_stamps(s->n_used, s->n_stamps, s->flagged, out);
     print_method(s, out);
     print_quality(s, out);
-    print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, out);
-    print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, out);
+    print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, own, out);
+    print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, own, out);
     if (reason != NULL) {
         text_line(out, "reason", "%s", reason);
     } else if (s->no_shear[0] != '\0') {
@@ -85,16 +88,16 @@ static void print_summary(const sheard_report_summary *s, const char *reason, FI
     }
     if (isfinite(s->g1) && s->estimator[0] != '\0')
         text_line(out, "estimator", "%s", s->estimator);
-    if (s->jackknife > 0) {
+    if (isfinite(s->g1) && s->jackknife > 0) {
         text_line(out, "errors", "jackknife over %" PRId64 " groups of blocks", s->jackknife);
     } else if (isfinite(s->g1)) {
         text_line(out, "errors", "%s", value_text_error_method(s->error_method));
     }
-    for (int64_t i = 0; i < s->n_warnings; i++)
+    for (int64_t i = 0; i < s->n_warnings && !own; i++)
         text_line(out, "warning", "%s", s->warnings[i]);
 }
 
-void report_text_print(const char *report, const char *reason, FILE *out) {
+void report_text_print(const char *report, const char *reason, bool own, FILE *out) {
     sheard_report_summary summary;
     shear_error err = {0};
     if (report == NULL)
@@ -103,6 +106,6 @@ void report_text_print(const char *report, const char *reason, FILE *out) {
         text_line(out, "result", "cannot be shown: %s", err.message);
         return;
     }
-    print_summary(&summary, reason, out);
+    print_summary(&summary, reason, own, out);
     sheard_report_summary_deinit(&summary);
 }

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* report_text.h: print the result of a field from its report (sheard/report.h), be it measured here
+ * or by the service. */
+#pragma once
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* Print the lines "  stamps ...", "  method ...", "  g1 ..." of a report, a JSON object. Prints
+ * nothing if `report` is NULL. `reason`, if not NULL, explains in more detail than the report why
+ * there is no shear. `own`: the field was measured here; a true shear has as many decimals as the
+ * measured one, and warnings are left out, because they go to standard error. */
+void report_text_print(const char *report, const char *reason, bool own, FILE *out);
