@@ -48,16 +48,14 @@ static int copy_object(const msg_reader *r, const char **at, const json_t *objec
 static int read_merged(const msg_reader *r, const char **at, const msg_table *table,
                        const json_t *object) {
     json_t *o = (json_t *)object;
-    json_t *rest = json_object();
+    json_auto_t *rest = json_object();
     bool failed = rest == NULL;
     for (void *i = json_object_iter(o); i != NULL && !failed; i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
         failed = find_member(table, name) == NULL &&
                  json_object_set(rest, name, json_object_iter_value(i)) != 0;
     }
-    const int code = failed ? reader_no_memory(r) : copy_object(r, at, rest);
-    json_decref(rest);
-    return code;
+    return failed ? reader_no_memory(r) : copy_object(r, at, rest);
 }
 
 static int read_states(msg_reader *r, unsigned *set, const msg_member *m, const json_t *value) {
@@ -162,15 +160,15 @@ static int read_member(msg_reader *r, void *message, const msg_member *m, const 
 static int read_object(msg_reader *r, void *message, const msg_table *table, const json_t *object) {
     if (object != NULL && !json_is_object(object))
         return reader_wrong_type(r, "an object", object);
-    int code =
-        reader_is_strict(r) && object != NULL ? check_names(r, table, object) : SHEARD_RPC_OK;
-    for (size_t i = 0; code == SHEARD_RPC_OK && i < table->n; i++) {
+    if (reader_is_strict(r) && object != NULL)
+        TRY(check_names(r, table, object));
+    for (size_t i = 0; i < table->n; i++) {
         const msg_member *m = &table->members[i];
-        code = m->type == MSG_MERGED
-                   ? read_merged(r, (void *)((char *)message + m->offset), table, object)
-                   : read_member(r, message, m, json_object_get(object, m->name));
+        TRY(m->type == MSG_MERGED
+                ? read_merged(r, (void *)((char *)message + m->offset), table, object)
+                : read_member(r, message, m, json_object_get(object, m->name)));
     }
-    return code;
+    return SHEARD_RPC_OK;
 }
 
 /* NOLINTEND(misc-no-recursion) */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Read messages from JSON: numbers, names, times and strings. */
+#include "base/cleanup.h"
 #include "base/text.h"
 #include "message/reader.h"
 #include "json/text.h"
@@ -131,6 +132,6 @@ int reader_string(const msg_reader *r, const char **at, unsigned flags, int64_t 
         return reader_wrong_type(r, "a string", value);
     const char *text = json_string_value(value);
     const size_t n = json_string_length(value);
-    const int code = check_text(r, text, n, flags, longest);
-    return code == SHEARD_RPC_OK ? reader_copy(r, at, text, n) : code;
+    TRY(check_text(r, text, n, flags, longest));
+    return reader_copy(r, at, text, n);
 }

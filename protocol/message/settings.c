@@ -99,12 +99,9 @@ static int read_setting(msg_reader *r, given_settings *g, const char *name, cons
 
 static int read_settings(msg_reader *r, given_settings *g, const json_t *object) {
     json_t *o = (json_t *)object; /* jansson's iterators are not const */
-    int code = SHEARD_RPC_OK;
-    for (void *i = json_object_iter(o); i != NULL && code == SHEARD_RPC_OK;
-         i = json_object_iter_next(o, i)) {
-        code = read_setting(r, g, json_object_iter_key(i), json_object_iter_value(i));
-    }
-    return code;
+    for (void *i = json_object_iter(o); i != NULL; i = json_object_iter_next(o, i))
+        TRY(read_setting(r, g, json_object_iter_key(i), json_object_iter_value(i)));
+    return SHEARD_RPC_OK;
 }
 
 int reader_settings(msg_reader *r, const char **at, const json_t *value) {
@@ -142,12 +139,11 @@ json_t *msg_write_settings(const char *text, bool *bad) {
     shear_settings s;
     shear_settings_init(&s);
     *bad = settings_text_set(&s, text, NULL) != SHEAR_OK;
-    json_t *all = *bad ? NULL : json_settings(&s);
+    json_auto_t *all = *bad ? NULL : json_settings(&s);
     json_t *object = all != NULL ? json_object() : NULL;
     if (object != NULL && !pick_named(object, all, text)) {
         json_decref(object);
         object = NULL;
     }
-    json_decref(all);
     return object;
 }

@@ -41,13 +41,11 @@ int settings_text_next(const char **text, char line[SETTINGS_TEXT_LINE], char **
 int settings_text_set(shear_settings *s, const char *text, shear_error *err) {
     char line[SETTINGS_TEXT_LINE];
     char *value = NULL;
-    int code = SHEAR_OK;
-    while (text != NULL && *text != '\0' && code == SHEAR_OK) {
-        code = settings_text_next(&text, line, &value, err);
-        if (code == SHEAR_OK)
-            code = shear_settings_set(s, line, value, err);
+    while (text != NULL && *text != '\0') {
+        TRY(settings_text_next(&text, line, &value, err));
+        TRY(shear_settings_set(s, line, value, err));
     }
-    return code;
+    return SHEAR_OK;
 }
 
 int sheard_settings_write(const shear_settings *s, char *buf, size_t size, shear_error *err) {
@@ -61,8 +59,8 @@ int sheard_settings_write(const shear_settings *s, char *buf, size_t size, shear
 }
 
 int sheard_settings_apply(shear_settings *s, const char *text, shear_error *err) {
-    const int code = settings_text_set(s, text, err);
-    return code == SHEAR_OK ? shear_settings_check(s, err) : code;
+    TRY(settings_text_set(s, text, err));
+    return shear_settings_check(s, err);
 }
 
 /* Read settings of version 0.1, in which `auto` had another meaning. */
@@ -89,8 +87,7 @@ int sheard_settings_read(shear_settings *s, const char *text, shear_error *err) 
 int sheard_settings_digest(const shear_settings *s, sheard_digest *hash, char *hex, size_t size,
                            shear_error *err) {
     char text[SHEARD_MSG_SETTINGS_SIZE];
-    const int code = sheard_settings_write(s, text, sizeof text, err);
-    if (code == SHEAR_OK)
-        hash(text, strlen(text), hex, size);
-    return code;
+    TRY(sheard_settings_write(s, text, sizeof text, err));
+    hash(text, strlen(text), hex, size);
+    return SHEAR_OK;
 }

@@ -111,7 +111,7 @@ void sheard_report_summary_deinit(sheard_report_summary *s) {
 }
 
 int sheard_report_summary_parse(sheard_report_summary *s, const char *text, shear_error *err) {
-    json_t *o = NULL;
+    json_auto_t *o = NULL;
     *s = (sheard_report_summary){0};
     TRY(json_text_load(&o, text, "a result", err));
     read_shear(s, o);
@@ -119,9 +119,7 @@ int sheard_report_summary_parse(sheard_report_summary *s, const char *text, shea
     read_plan(s, json_object_get(o, "resolved"));
     read_ranges(s, json_object_get(o, "files"));
     read_settings(s, json_object_get(o, "settings"));
-    const bool good = read_warnings(s, json_object_get(o, "warnings"));
-    json_decref(o);
-    if (!good) {
+    if (!read_warnings(s, json_object_get(o, "warnings"))) {
         sheard_report_summary_deinit(s);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a result");
     }

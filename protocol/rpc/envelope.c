@@ -45,10 +45,9 @@ static void recover_id(sheard_rpc_id *id, const char *line, const rpc_scan *scan
     if (scan->n_ids != 1 || scan->id_end <= scan->id_at)
         return;
     tree_error why;
-    json_t *value =
+    json_auto_t *value =
         tree_load(line + scan->id_at, scan->id_end - scan->id_at, JSON_DECODE_ANY, &why);
     (void)rpc_id_read(id, value);
-    json_decref(value);
 }
 
 static json_t *load(const char *line, size_t n, sheard_rpc_error *error) {

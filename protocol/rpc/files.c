@@ -12,12 +12,8 @@ int sheard_job_file_parse(sheard_msg_submit *submit, const char *text, size_t n,
     memset(submit, 0, sizeof *submit);
     sheard_rpc_limits limits = sheard_rpc_request_limits;
     limits.line = SHEARD_MSG_JOB_FILE_MAX;
-    json_t *root = rpc_read_object(text, n, &limits, "a job file", error);
-    if (root == NULL)
-        return error->code;
-    const int code = submit_read(submit, root, defaults, error);
-    json_decref(root);
-    return code;
+    json_auto_t *root = rpc_read_object(text, n, &limits, "a job file", error);
+    return root != NULL ? submit_read(submit, root, defaults, error) : error->code;
 }
 
 void sheard_submit_deinit(sheard_msg_submit *submit) {
@@ -27,12 +23,8 @@ void sheard_submit_deinit(sheard_msg_submit *submit) {
 static int parse(void *message, const msg_table *table, unsigned mode, const char *text, size_t n,
                  sheard_rpc_error *error) {
     memset(message, 0, table->size);
-    json_t *root = rpc_read_object(text, n, &sheard_rpc_reply_limits, "this text", error);
-    if (root == NULL)
-        return error->code;
-    const int code = msg_read(message, table, root, mode, error);
-    json_decref(root);
-    return code;
+    json_auto_t *root = rpc_read_object(text, n, &sheard_rpc_reply_limits, "this text", error);
+    return root != NULL ? msg_read(message, table, root, mode, error) : error->code;
 }
 
 int sheard_source_text(char **text, const sheard_msg_source *source, sheard_rpc_error *error) {

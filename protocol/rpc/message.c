@@ -79,7 +79,7 @@ int sheard_message_parse(sheard_message *message, const char *line, size_t n,
     memset(message, 0, sizeof *message);
     message->notice = SHEARD_NOTICE_NONE;
     sheard_rpc_error why;
-    json_t *root = rpc_read_line(line, n, &sheard_rpc_reply_limits, NULL, &why);
+    json_auto_t *root = rpc_read_line(line, n, &sheard_rpc_reply_limits, NULL, &why);
     if (root == NULL && why.code == SHEARD_RPC_OUT_OF_MEMORY) {
         *error = why;
         return why.code;
@@ -89,7 +89,6 @@ int sheard_message_parse(sheard_message *message, const char *line, size_t n,
                                "the service's answer cannot be read: %.300s", why.message);
     }
     const int code = read_message(message, root, error);
-    json_decref(root);
     if (code != SHEARD_RPC_OK)
         sheard_message_deinit(message);
     return code;

@@ -93,12 +93,8 @@ int sheard_request_parse(sheard_request *request, const char *line, size_t n,
                          const shear_settings *defaults, sheard_rpc_error *error) {
     memset(request, 0, sizeof *request);
     request->method = SHEARD_METHOD_NONE;
-    json_t *root = rpc_read_line(line, n, &sheard_rpc_request_limits, &request->id, error);
-    if (root == NULL)
-        return error->code;
-    const int code = read_request(request, root, defaults, error);
-    json_decref(root);
-    return code;
+    json_auto_t *root = rpc_read_line(line, n, &sheard_rpc_request_limits, &request->id, error);
+    return root != NULL ? read_request(request, root, defaults, error) : error->code;
 }
 
 void sheard_request_deinit(sheard_request *request) {
