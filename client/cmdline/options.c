@@ -163,6 +163,8 @@ enum exit_code options_parse(const command *self, int argc, char **argv,
                              const option_entry *entries, option_settings *settings) {
     long_options l;
     long_options_init(&l, entries, settings != NULL);
+    if (settings != NULL)
+        shear_settings_init(&settings->values);
     opterr = 0;
     for (;;) {
         const int value = getopt_long(argc, argv, l.letters, l.table, NULL);

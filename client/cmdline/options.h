@@ -28,16 +28,15 @@ struct option_entry {
     bool *given;   /* also set to true; may be NULL */
 };
 
-/* The settings of the measurement, as options of a subcommand. Initialize with
- * OPTION_SETTINGS_INIT. */
+/* The settings of the measurement, as options of a subcommand; the defaults unless given. */
 typedef struct option_settings {
     shear_settings values;
     bool given[SETTINGS_OPTIONS_MAX]; /* by the index in shear_settings_table() */
 } option_settings;
 
 /* Parse the command line; the operands are argv[optind] and the following. `entries` ends with an
- * entry whose name is NULL. `settings` is NULL if the subcommand has no settings. Returns an exit
- * code; on failure an error has been printed. */
+ * entry whose name is NULL. `settings`, initially {0}, is NULL if the subcommand has no settings.
+ * Returns an exit code; on failure an error has been printed. */
 enum exit_code options_parse(const command *self, int argc, char **argv,
                              const option_entry *entries, option_settings *settings);
 /* Check the combination of all settings. Returns an exit code; on failure an error has been

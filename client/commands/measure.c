@@ -37,7 +37,6 @@ static enum exit_code parse(const command *self, int argc, char **argv, measure_
         {.name = "quiet", .flag = &o->quiet},
         PART_OPTIONS(&o->parts),
         {0}};
-    shear_settings_init(&o->settings.values);
     TRY(options_parse(self, argc, argv, options, &o->settings));
     TRY(options_check_settings(&o->settings));
     return check(self, o, argv + optind, argc - optind);

@@ -36,7 +36,6 @@ static enum exit_code parse(const command *self, int argc, char **argv, plot_com
                                      .given = &c->stamps_given},
                                     {.name = "force", .flag = &c->force},
                                     {0}};
-    shear_settings_init(&c->settings.values);
     TRY(options_parse(self, argc, argv, options, &c->settings));
     TRY(options_check_settings(&c->settings));
     if (argc - optind != 1)

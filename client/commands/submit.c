@@ -136,7 +136,6 @@ static enum exit_code parse(const command *self, int argc, char **argv, submit_s
                                     SERVICE_OPTIONS(&o->service),
                                     {0}};
     service_init(&o->service);
-    shear_settings_init(&what->settings.values);
     TRY(options_parse(self, argc, argv, options, &what->settings));
     return check(self, o, argv + optind, argc - optind);
 }

@@ -78,7 +78,6 @@ static enum exit_code validate(const char *path, const validate_options *o, bool
 static enum exit_code parse(const command *self, int argc, char **argv, validate_options *o) {
     const option_entry options[] = {
         {.name = "json", .flag = &o->json}, {.name = "quiet", .flag = &o->quiet}, {0}};
-    shear_settings_init(&o->settings.values);
     TRY(options_parse(self, argc, argv, options, &o->settings));
     TRY(options_check_settings(&o->settings));
     return optind >= argc ? options_fail(self, "which files?") : EXIT_CODE_DONE;

@@ -103,12 +103,10 @@ static bool is_locked(const struct stat *st) {
     char line[256];
     char inode[32];
     bool found = false;
-    FILE *locks = fopen("/proc/locks", "re");
+    CLEANUP(release_file) FILE *locks = fopen("/proc/locks", "re");
     snprintf(inode, sizeof inode, ":%ju ", (uintmax_t)st->st_ino);
     while (locks != NULL && !found && fgets(line, sizeof line, locks) != NULL)
         found = strstr(line, "FLOCK") != NULL && strstr(line, inode) != NULL;
-    if (locks != NULL)
-        fclose(locks);
     return found;
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checks of the kernel's features for the readers' sandbox. */
+#include "base/cleanup.h"
 #include "doctor/internal.h"
 
 #include <errno.h>
@@ -11,6 +12,7 @@
 
 static void check_seccomp(doctor *d) {
     char actions[256] = "";
+    CLEANUP(release_fd)
     const int fd = open("/proc/sys/kernel/seccomp/actions_avail", O_RDONLY | O_CLOEXEC);
     const ssize_t n = fd < 0 ? -1 : read(fd, actions, sizeof actions - 1);
     const bool good = n > 0 && strstr(actions, "kill_process") != NULL;
@@ -18,8 +20,6 @@ static void check_seccomp(doctor *d) {
                   good ? NULL : "use a kernel with CONFIG_SECCOMP_FILTER",
                   good ? "system calls of readers can be filtered"
                        : "system calls of readers cannot be filtered: files will not be read");
-    if (fd >= 0)
-        close(fd);
 }
 
 static void check_landlock(doctor *d) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checks of the daemon's program and its configuration. The program itself checks the
  * configuration. */
+#include "base/cleanup.h"
 #include "doctor/conf_text.h"
 #include "doctor/internal.h"
 #include "doctor/run_program.h"
@@ -30,7 +31,7 @@ static const char *line_with(const char *text, const char *word, const char *oth
 }
 
 static void check_version(doctor *d, const char *program) {
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     const int code = ask(NULL, program, "--version", &text);
     if (code != 0 || text == NULL) {
         doctor_fail(d, "program", "install sheard again", "%s cannot be run (exit code %d)",
@@ -42,12 +43,11 @@ static void check_version(doctor *d, const char *program) {
     } else {
         doctor_ok(d, "program", "%s, %.*s", program, (int)strcspn(text, "\n"), text);
     }
-    free(text);
 }
 
 void doctor_check_config(doctor *d) {
     char line[400];
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     if (d->program == NULL)
         return;
     if (d->told && access(d->config, R_OK) != 0) {
@@ -70,21 +70,18 @@ void doctor_check_config(doctor *d) {
     } else {
         doctor_ok(d, "config", "%s is valid", name);
     }
-    free(text);
 }
 
 static void read_config(doctor *d) {
-    char *text = NULL;
-    if (ask(d->config, d->program, "--print-config", &text) == 0 && text != NULL) {
-        d->state_dir = conf_text_value(text, "daemon", "state_dir");
-        d->socket = conf_text_value(text, "daemon", "socket");
-        d->spool = conf_text_value(text, "spool", "directory");
-        d->roots = conf_text_value(text, "access", "data_roots");
-        char *enabled = conf_text_value(text, "spool", "enabled");
-        d->has_spool = enabled != NULL && strcmp(enabled, "true") == 0;
-        free(enabled);
-    }
-    free(text);
+    CLEANUP(release_free) char *text = NULL;
+    if (ask(d->config, d->program, "--print-config", &text) != 0 || text == NULL)
+        return;
+    d->state_dir = conf_text_value(text, "daemon", "state_dir");
+    d->socket = conf_text_value(text, "daemon", "socket");
+    d->spool = conf_text_value(text, "spool", "directory");
+    d->roots = conf_text_value(text, "access", "data_roots");
+    CLEANUP(release_free) char *enabled = conf_text_value(text, "spool", "enabled");
+    d->has_spool = enabled != NULL && strcmp(enabled, "true") == 0;
 }
 
 void doctor_check_program(doctor *d) {
