@@ -17,12 +17,12 @@ static const char *place_of(const char *band) {
 }
 
 /* Print why the noise level was not determined. */
-static void print_unchecked(const quality_lines *q, FILE *out) {
-    if (q->r_psf_px < 1.0) {
+static void print_unchecked(const sheard_report_summary *s, FILE *out) {
+    if (s->r_psf_px < 1.0) {
         text_line(out, "level",
-                  "noise assumed to be that of the noise stamps: cannot be checked if R_PSF "
-                  "is below 1 px");
-    } else if (strcmp(q->interpolation, "none") != 0) {
+                  "noise assumed to be that of the noise stamps: cannot be checked if R_PSF is "
+                  "below 1 px");
+    } else if (strcmp(s->interpolation, "none") != 0) {
         text_line(out, "level",
                   "noise assumed to be that of the noise stamps: cannot be checked if stamps "
                   "are interpolated");
@@ -31,50 +31,36 @@ static void print_unchecked(const quality_lines *q, FILE *out) {
     }
 }
 
-static void print_level(const quality_lines *q, FILE *out) {
+static void print_level(const sheard_report_summary *s, FILE *out) {
     char effect[64];
     char words[96] = "";
-    if (!isfinite(q->noise_level)) {
-        if (q->noise_share != 0.0) { /* photon noise exists, and is subtracted */
-            print_unchecked(q, out);
+    if (!isfinite(s->noise_level)) {
+        if (s->noise_share != 0.0) { /* photon noise exists, and is subtracted */
+            print_unchecked(s, out);
         }
         return;
     }
-    if (!q->symmetric && fabs(q->noise_effect) >= EFFECT_MIN) {
+    if (strncmp(s->estimator, "pdf-sym", 7) != 0 && fabs(s->noise_effect) >= EFFECT_MIN) {
         snprintf(words, sizeof words, "; without it %s",
-                 sheard_advice_without_level(q->noise_effect, effect, sizeof effect));
+                 sheard_advice_without_level(s->noise_effect, effect, sizeof effect));
     }
     text_line(out, "level", "noise %.4f +- %.2g times the noise stamps' variance%s%s",
-              q->noise_level, q->noise_level_err, place_of(q->noise_band), words);
+              s->noise_level, s->noise_level_err, place_of(s->noise_band), words);
 }
 
-quality_lines quality_text_of(const shear_result *r, const shear_plan_info *plan) {
-    return (quality_lines){.noise_band = shear_noise_band_name(plan->noise_band),
-                           .interpolation = shear_interpolation_name(plan->interpolation),
-                           .r_psf_px = plan->r_psf_px,
-                           .symmetric = shear_estimator_is_symmetric(r->estimator),
-                           .noise_level = r->noise_level,
-                           .noise_level_err = r->noise_level_err,
-                           .noise_effect = r->noise_effect,
-                           .noise_share = r->noise_share,
-                           .n_eff = r->n_eff,
-                           .top_share = r->top_share,
-                           .n_used = r->n_used,
-                           .top_stamp = r->top_stamp};
-}
-
-void quality_text_print(const quality_lines *q, FILE *out) {
-    if (!isfinite(q->n_eff))
+void quality_text_print(const sheard_report_summary *s, FILE *out) {
+    const bool named = s->top_file[0] != '\0' && s->n_files != 1;
+    if (!isfinite(s->n_eff))
         return;
-    print_level(q, out);
-    if (q->top_stamp >= 0 && isfinite(q->top_share)) {
+    print_level(s, out);
+    if (s->top_stamp >= 0 && isfinite(s->top_share)) {
         text_line(out, "influence",
                   "%" PRId64 " stamps count as %.1f equal ones; stamp %" PRId64
                   "%s%s counts most, with %.3g %% of the sum of w D",
-                  q->n_used, q->n_eff, q->top_stamp, q->top_file != NULL ? " of " : "",
-                  q->top_file != NULL ? q->top_file : "", 100.0 * q->top_share);
+                  s->n_used, s->n_eff, s->top_stamp, named ? " of " : "", named ? s->top_file : "",
+                  100.0 * s->top_share);
     } else {
-        text_line(out, "influence", "%" PRId64 " stamps count as %.1f equal ones", q->n_used,
-                  q->n_eff);
+        text_line(out, "influence", "%" PRId64 " stamps count as %.1f equal ones", s->n_used,
+                  s->n_eff);
     }
 }

@@ -12,30 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-static void print_method(const sheard_report_summary *s, FILE *out) {
-    char r_psf[64];
-    char beta[64];
-    char core[64];
-    const bool crossed = strcmp(s->estimator, "pdf-sym-cross") == 0;
-    const method_lines m = {
-        .interpolation = s->interpolation,
-        .filter = s->filter,
-        .oversample = (int)s->oversample,
-        .r_psf = value_text_length(s->r_psf_px, s->r_psf_to, r_psf, sizeof r_psf),
-        .beta = value_text_length(s->beta_px, s->beta_to, beta, sizeof beta),
-        .core = value_text_length(s->core_px, s->core_to, core, sizeof core),
-        .width_px = s->width_px,
-        .core_per_stamp = !isfinite(s->core_px),
-        .core_found = s->core_found,
-        .asked_filter = s->asked_filter,
-        .background_kept = strcmp(s->background, "keep") == 0 && !crossed,
-        .artefacts_kept = strcmp(s->artefacts, "keep") == 0,
-        .artefacts = method_text_artefacts(s->flagged),
-    };
-    if (s->interpolation[0] != '\0')
-        method_text_print(&m, out);
-}
-
 static void print_component(const char *name, double g, double error, double truth, double pull,
                             bool own, FILE *out) {
     char value[96];
@@ -52,28 +28,12 @@ static void print_component(const char *name, double g, double error, double tru
     }
 }
 
-static void print_quality(const sheard_report_summary *s, FILE *out) {
-    const quality_lines q = {.noise_band = s->noise_band,
-                             .interpolation = s->interpolation,
-                             .r_psf_px = s->r_psf_px,
-                             .symmetric = strncmp(s->estimator, "pdf-sym", 7) == 0,
-                             .noise_level = s->noise_level,
-                             .noise_level_err = s->noise_level_err,
-                             .noise_effect = s->noise_effect,
-                             .noise_share = s->noise_share,
-                             .n_eff = s->n_eff,
-                             .top_share = s->top_share,
-                             .n_used = s->n_used,
-                             .top_stamp = s->top_stamp,
-                             .top_file = s->top_file[0] && s->n_files != 1 ? s->top_file : NULL};
-    if (isfinite(s->g1))
-        quality_text_print(&q, out);
-}
-
 static void print_summary(const sheard_report_summary *s, const char *reason, bool own, FILE *out) {
     value_text_print_stamps(s->n_used, s->n_stamps, s->flagged, out);
-    print_method(s, out);
-    print_quality(s, out);
+    if (s->interpolation[0] != '\0')
+        method_text_print(s, method_text_artefacts(s->flagged), out);
+    if (isfinite(s->g1))
+        quality_text_print(s, out);
     print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, own, out);
     print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, own, out);
     if (reason != NULL) {

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/validation_text.h"
 
+#include "base/cleanup.h"
 #include "base/text.h"
 #include "local/method_text.h"
 #include "local/quality_text.h"
-#include "local/value_text.h"
+#include "sheard/report.h"
+#include "sheard/report_summary.h"
 #include "terminal/message.h"
 #include "terminal/text_line.h"
 
@@ -57,17 +59,19 @@ static void print_field(const shear_field_info *f, FILE *out) {
         text_line(out, "truth", "g1 %+.6g, g2 %+.6g", f->sim_g1, f->sim_g2);
 }
 
-static void print_plan(const shear_plan_info *plan, const shear_settings *settings, FILE *out) {
-    char core[64];
-    char r_psf[64];
-    char beta[64];
-    const method_lines m = method_text_of(
-        plan, settings, value_text_length(plan->r_psf_px, plan->r_psf_px, r_psf, sizeof r_psf),
-        value_text_length(plan->beta_px, plan->beta_px, beta, sizeof beta),
-        value_text_length(plan->core_px, plan->core_px, core, sizeof core));
-    method_text_print(&m, out);
-    text_line(out, "spectrum", "%d x %d grid, modes below %.4g radians per pixel", plan->fine_nx,
-              plan->fine_ny, plan->k_cut);
+/* Read the report that measuring the file gives, with its result as far as it is known. */
+static bool summarize(sheard_report_summary *s, const sheard_validation_report *v) {
+    CLEANUP(release_free) char *text = NULL;
+    shear_error err = {0};
+    shear_result result = v->result;
+    result.estimator = v->settings->estimator;
+    const sheard_report report = {.result = &result, .settings = v->settings, .plan = v->plan};
+    if (sheard_report_json(&text, &report, &err) == SHEAR_OK &&
+        sheard_report_summary_parse(s, text, &err) == SHEAR_OK) {
+        return true;
+    }
+    message_error(&err);
+    return false;
 }
 
 static void print_fault(const char *name, const char *help, const sheard_fault *f, FILE *out) {
@@ -104,20 +108,23 @@ static void print_scan(const sheard_validation_report *v, FILE *out) {
 
 void validation_text_print(const sheard_validation_report *v, FILE *out) {
     char clean[1024];
+    sheard_report_summary s = {0};
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
     if (v->field != NULL)
         print_field(v->field, out);
-    if (v->plan != NULL)
-        print_plan(v->plan, v->settings, out);
+    if (v->plan != NULL && summarize(&s, v)) {
+        method_text_print(&s, -1, out);
+        text_line(out, "spectrum", "%d x %d grid, modes below %.4g radians per pixel",
+                  v->plan->fine_nx, v->plan->fine_ny, v->plan->k_cut);
+    }
     if (v->scanned)
         print_scan(v, out);
-    if (v->measured && v->result.valid && v->plan != NULL) {
-        const quality_lines q = quality_text_of(&v->result, v->plan);
-        quality_text_print(&q, out);
-    }
+    if (v->measured && v->result.valid)
+        quality_text_print(&s, out);
     text_line(out, v->good ? "good" : "bad", "%s", v->conclusion);
     for (size_t i = 0; i < v->n_warnings; i++)
         text_line(out, "warning", "%s", v->warnings[i]);
     if (v->advice[0] != '\0')
         text_line(out, "advice", "%s", v->advice);
+    sheard_report_summary_deinit(&s);
 }

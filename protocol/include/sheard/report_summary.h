@@ -22,7 +22,7 @@ typedef struct sheard_report_summary {
     double noise_level, noise_level_err, noise_effect, noise_share;
     double n_eff, top_share;
     int64_t top_stamp; /* -1: none, or unknown */
-    char top_file[256];
+    char top_file[4096];
     int64_t n_files;
     char interpolation[24], filter[24]; /* resolved settings */
     char noise_band[16];
