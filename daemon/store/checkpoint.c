@@ -29,12 +29,10 @@ static int write_checkpoint(store *s, int64_t id, const store_progress *p, const
         return shear_fail(err, STORE_WRONG_STATE, NULL,
                           "job %" PRId64 ": its content must be known before a checkpoint", id);
     }
-    query q = query_on(s, SQL_CHECKPOINT_SET);
-    query_int(&q, id);
-    query_int(&q, p->next_block);
-    query_text(&q, packed);
-    int code = query_run(&q, err);
-    return code != SHEAR_OK || p->terms == NULL ? code : terms_add_checkpoint(s, id, p, err);
+    TRY(query_run(
+        QUERY(s, SQL_CHECKPOINT_SET, query_int(id), query_int(p->next_block), query_text(packed)),
+        err));
+    return p->terms != NULL ? terms_add_checkpoint(s, id, p, err) : SHEAR_OK;
 }
 
 int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress, shear_error *err) {
@@ -54,15 +52,14 @@ int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums
     bool row = false;
     *next_block = 0;
     *sums = NULL;
-    CLEANUP(query_end) query q = query_on(s, SQL_CHECKPOINT_GET);
-    query_int(&q, id);
+    CLEANUP(query_end) query q = QUERY(s, SQL_CHECKPOINT_GET, query_int(id));
     TRY(query_step(&q, &row, err));
     if (!row)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "job %" PRId64 " has no checkpoint", id);
     const int64_t block = query_get_int(&q);
     CLEANUP(release_free) char *packed = query_get_text(&q);
     TRY(query_got(&q, err));
-    int code = sums_unpack(packed, sums, err);
-    *next_block = code == SHEAR_OK ? block : 0;
-    return code;
+    TRY(sums_unpack(packed, sums, err));
+    *next_block = block;
+    return SHEAR_OK;
 }

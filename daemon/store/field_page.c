@@ -3,23 +3,20 @@
 #include "store/page.h"
 
 #include "base/cleanup.h"
-#include "store/query.h"
+#include "store/row.h"
 #include "store/sums_text.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static void deinit(store_field *f) {
-    free(f->name);
-    free(f->settings_digest);
-    free(f->settings);
-    free(f->sums);
-}
+/* The sums are read as packed, and unpacked then. */
+#define FIELD(member) ROW_MEMBER(store_field, member)
+static const row_type field_type = ROW_TYPE(
+    store_field, FIELD(name), FIELD(settings_digest), FIELD(settings), FIELD(sums), FIELD(jobs),
+    FIELD(n_stamps), FIELD(n_used), FIELD(unfinished), FIELD(updated_ms), FIELD(elapsed_us));
 
 void store_field_page_deinit(store_field_page *page) {
-    for (size_t i = 0; i < page->n; i++)
-        deinit(&page->fields[i]);
-    free(page->fields);
+    row_free(&field_type, page->fields, page->n);
     *page = (store_field_page){0};
 }
 
@@ -31,41 +28,28 @@ store_field *store_field_page_find(const store_field_page *page, const char *set
     return NULL;
 }
 
-static int read_field(query *q, store_field *f, shear_error *err) {
-    f->name = query_get_text(q);
-    f->settings_digest = query_get_text(q);
-    f->settings = query_get_text(q);
-    CLEANUP(release_free) char *packed = query_get_text(q);
-    f->jobs = query_get_int(q);
-    f->n_stamps = query_get_int(q);
-    f->n_used = query_get_int(q);
-    f->unfinished = query_get_int(q);
-    f->updated_ms = query_get_int(q);
-    f->elapsed_us = query_get_int(q);
-    TRY(query_got(q, err));
+static int unpack(store_field *f, shear_error *err) {
+    CLEANUP(release_free) char *packed = f->sums;
     return sums_unpack(packed, &f->sums, err);
 }
 
-/* Read records while their names begin with `prefix`; the page has capacity for limit + 1. */
+/* Read at most `limit` records while their names begin with `prefix`. */
 static int read_page(query *q, const char *prefix, size_t limit, store_field_page *page,
                      shear_error *err) {
     const size_t length = strlen(prefix);
-    bool row = false;
-    int code = query_step(q, &row, err);
-    while (row && code == SHEAR_OK && page->n <= limit) {
-        store_field *f = &page->fields[page->n++];
-        code = read_field(q, f, err);
-        const bool matches = code == SHEAR_OK && strncmp(f->name, prefix, length) == 0;
-        if (!matches || page->n > limit) {
-            /* the record after the page's end */
+    for (;;) {
+        store_field f;
+        bool found = false;
+        TRY(row_next(q, &field_type, &f, &found, err));
+        const bool matches = found && strncmp(f.name, prefix, length) == 0;
+        if (!matches || page->n == limit) {
             page->more = matches;
-            deinit(f);
-            page->n--;
-            break;
+            row_deinit(&field_type, &f);
+            return SHEAR_OK;
         }
-        code = query_step(q, &row, err);
+        page->fields[page->n++] = f;
+        TRY(unpack(&page->fields[page->n - 1], err));
     }
-    return code;
 }
 
 static int allocate(size_t limit, store_field_page *page, shear_error *err) {
@@ -75,15 +59,12 @@ static int allocate(size_t limit, store_field_page *page, shear_error *err) {
 }
 
 static int get_by_name(store *s, const char *name, store_field_page *page, shear_error *err) {
-    CLEANUP(query_end) query q = query_on(s, SQL_FIELD_GET);
-    query_text(&q, name);
-    query_int(&q, STORE_PAGE_MAX + 1);
+    CLEANUP(query_end)
+    query q = QUERY(s, SQL_FIELD_GET, query_text(name), query_int(STORE_PAGE_MAX + 1));
     TRY(read_page(&q, "", STORE_PAGE_MAX, page, err));
-    query pending = query_on(s, SQL_FIELD_PENDING);
-    query_text(&pending, name);
-    int code = query_number(&pending, 0, &page->unfinished, err);
-    if (code != SHEAR_OK || page->n > 0 || page->unfinished > 0)
-        return code;
+    TRY(query_number(QUERY(s, SQL_FIELD_PENDING, query_text(name)), 0, &page->unfinished, err));
+    if (page->n > 0 || page->unfinished > 0)
+        return SHEAR_OK;
     return shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names",
                       "there is no field '%.*s'", STORE_FIELD_MAX, name);
 }
@@ -105,10 +86,9 @@ int store_fields(store *s, const store_field_filter *filter, size_t limit, store
     TRY(allocate(limit, page, err));
     /* No digest is empty, so (prefix, "") precedes the first name that begins with the prefix. */
     const bool inside = strcmp(name, prefix) >= 0;
-    CLEANUP(query_end) query q = query_on(s, SQL_FIELDS);
-    query_text(&q, inside ? name : prefix);
-    query_text(&q, inside ? digest : "");
-    query_int(&q, (int64_t)limit + 1);
+    CLEANUP(query_end)
+    query q = QUERY(s, SQL_FIELDS, query_text(inside ? name : prefix),
+                    query_text(inside ? digest : ""), query_int((int64_t)limit + 1));
     int code = read_page(&q, prefix, limit, page, err);
     if (code != SHEAR_OK)
         store_field_page_deinit(page);

@@ -42,16 +42,12 @@ static int job_sums_init(job_sums *j, const store_work *w, shear_error *err) {
 
 static int add_field(store *s, const job_row *job, const job_sums *j, int64_t now_ms, int64_t *id,
                      shear_error *err) {
-    query q = query_on(s, SQL_FIELD_ADD);
-    query_text(&q, job->field);
-    query_text(&q, job->settings_digest);
-    query_text(&q, j->packed);
-    query_int(&q, j->n_stamps);
-    query_int(&q, j->n_used);
-    query_int(&q, now_ms);
-    const int code = query_run(&q, err);
+    TRY(query_run(QUERY(s, SQL_FIELD_ADD, query_text(job->field), query_text(job->settings_digest),
+                        query_text(j->packed), query_int(j->n_stamps), query_int(j->n_used),
+                        query_int(now_ms)),
+                  err));
     *id = sqlite3_last_insert_rowid(s->db);
-    return code;
+    return SHEAR_OK;
 }
 
 /* Join a field's packed sums and a job's exactly; *packed is malloc'd. */
@@ -66,33 +62,21 @@ static int join_field(store *s, const field_row *field, const job_sums *j, int64
                       shear_error *err) {
     CLEANUP(release_free) char *packed = NULL;
     TRY(join(field->packed, j, &packed, err));
-    query q = query_on(s, SQL_FIELD_JOIN);
-    query_int(&q, field->id);
-    query_text(&q, packed);
-    query_int(&q, j->n_stamps);
-    query_int(&q, j->n_used);
-    query_int(&q, now_ms);
-    return query_run(&q, err);
+    return query_run(QUERY(s, SQL_FIELD_JOIN, query_int(field->id), query_text(packed),
+                           query_int(j->n_stamps), query_int(j->n_used), query_int(now_ms)),
+                     err);
 }
 
 static int add_contribution(store *s, const job_row *job, int64_t field, const job_sums *j,
                             const store_work *w, shear_error *err) {
-    query q = query_on(s, SQL_CONTRIBUTION_ADD);
-    query_int(&q, field);
-    query_int(&q, job->id);
-    query_text(&q, job->content);
-    query_text(&q, j->packed);
-    query_int(&q, j->n_stamps);
-    query_int(&q, j->n_used);
-    query_int(&q, w->now_ms);
-    query_int(&q, w->elapsed_us);
-    query_text(&q, w->account);
-    query_real(&q, w->true_g1, !w->has_truth);
-    query_real(&q, w->true_g2, !w->has_truth);
     const shear_influence top = shear_field_sums_top(j->sums);
-    query_real(&q, top.size, isnan(top.size));
-    query_int(&q, top.stamp);
-    return query_run(&q, err);
+    return query_run(QUERY(s, SQL_CONTRIBUTION_ADD, query_int(field), query_int(job->id),
+                           query_text(job->content), query_text(j->packed), query_int(j->n_stamps),
+                           query_int(j->n_used), query_int(w->now_ms), query_int(w->elapsed_us),
+                           query_text(w->account), query_real(w->has_truth ? w->true_g1 : NAN),
+                           query_real(w->has_truth ? w->true_g2 : NAN), query_real(top.size),
+                           query_int(top.stamp)),
+                     err);
 }
 
 static int count(store *s, const job_row *job, const job_sums *j, const store_work *w,
@@ -103,25 +87,17 @@ static int count(store *s, const job_row *job, const job_sums *j, const store_wo
     TRY(field_row_get(s, job->field, job->settings_digest, &field, err));
     TRY(field.id == 0 ? add_field(s, job, j, w->now_ms, &field.id, err)
                       : join_field(s, &field, j, w->now_ms, err));
-    int code = add_contribution(s, job, field.id, j, w, err);
-    if (code != SHEAR_OK || j->terms == NULL)
-        return code;
-    return terms_add_contribution(s, j->terms, j->terms_size, err);
+    TRY(add_contribution(s, job, field.id, j, w, err));
+    return j->terms != NULL ? terms_add_contribution(s, j->terms, j->terms_size, err) : SHEAR_OK;
 }
 
 static int write_done(store *s, int64_t id, const store_work *w, const store_finished *end,
                       const identity_match *m, shear_error *err) {
-    query q = query_on(s, SQL_JOB_DONE);
-    query_int(&q, id);
-    query_int(&q, end->outcome);
-    query_int(&q, end->duplicate_of);
-    query_int(&q, m->n_stamps);
-    query_int(&q, m->n_used);
-    query_int(&q, w->elapsed_us);
-    query_int(&q, w->now_ms);
-    query_text(&q, w->result);
-    query_text(&q, w->catalog);
-    TRY(query_run(&q, err));
+    TRY(query_run(QUERY(s, SQL_JOB_DONE, query_int(id), query_int(end->outcome),
+                        query_int(end->duplicate_of), query_int(m->n_stamps), query_int(m->n_used),
+                        query_int(w->elapsed_us), query_int(w->now_ms), query_text(w->result),
+                        query_text(w->catalog)),
+                  err));
     return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
 }
 

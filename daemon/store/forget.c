@@ -4,10 +4,9 @@
 #include "store/operation.h"
 
 #include "base/cleanup.h"
-#include "store/query.h"
+#include "store/row.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct forgotten_row {
@@ -16,39 +15,31 @@ typedef struct forgotten_row {
     char *digest;
 } forgotten_row;
 
+#define ROW(member) ROW_MEMBER(forgotten_row, member)
+static const row_type forgotten_row_type = ROW_TYPE(forgotten_row, ROW(id), ROW(digest), ROW(jobs));
+
 static void forgotten_row_deinit(forgotten_row *r) {
-    free(r->digest);
-    *r = (forgotten_row){0};
+    row_deinit(&forgotten_row_type, r);
 }
 
 /* Replace *r by the next row of the name, by digest; id 0: there is none. */
 static int next_row(store *s, const char *name, forgotten_row *r, shear_error *err) {
-    bool row = false;
     CLEANUP(forgotten_row_deinit) forgotten_row before = *r;
-    *r = (forgotten_row){0};
-    CLEANUP(query_end) query q = query_on(s, SQL_FIELD_ROWS);
-    query_text(&q, name);
-    query_text(&q, before.digest != NULL ? before.digest : "");
-    const int code = query_step(&q, &row, err);
-    if (!row)
-        return code;
-    r->id = query_get_int(&q);
-    r->digest = query_get_text(&q);
-    r->jobs = query_get_int(&q);
-    return query_got(&q, err);
+    const char *after = before.digest != NULL ? before.digest : "";
+    return row_get(QUERY(s, SQL_FIELD_ROWS, query_text(name), query_text(after)),
+                   &forgotten_row_type, r, NULL, err);
 }
 
 /* Fail if unfinished jobs belong to the field with these settings (NULL: any), even if nothing was
  * counted with them yet. */
 static int check_finished(store *s, const char *name, const char *digest, shear_error *err) {
     int64_t n = 0;
-    query q = query_on(s, digest != NULL ? SQL_FIELD_UNFINISHED : SQL_FIELD_PENDING);
-    query_text(&q, name);
-    if (digest != NULL)
-        query_text(&q, digest);
-    const int code = query_number(&q, 0, &n, err);
-    if (code != SHEAR_OK || n == 0)
-        return code;
+    const parameter field = query_text(name);
+    query q = digest != NULL ? QUERY(s, SQL_FIELD_UNFINISHED, field, query_text(digest))
+                             : QUERY(s, SQL_FIELD_PENDING, field);
+    TRY(query_number(q, 0, &n, err));
+    if (n == 0)
+        return SHEAR_OK;
     return shear_fail(err, STORE_WRONG_STATE, "wait for them, or cancel them",
                       "%" PRId64 " unfinished jobs belong to field '%.*s'", n, STORE_FIELD_MAX,
                       name);
@@ -56,10 +47,7 @@ static int check_finished(store *s, const char *name, const char *digest, shear_
 
 static int forget_row(store *s, const char *name, const forgotten_row *r, store_forgotten *out,
                       shear_error *err) {
-    query q = query_on(s, SQL_FORGOTTEN_ADD);
-    query_int(&q, r->id);
-    query_text(&q, name);
-    TRY(query_run(&q, err));
+    TRY(query_run(QUERY(s, SQL_FORGOTTEN_ADD, query_int(r->id), query_text(name)), err));
     out->last = sqlite3_last_insert_rowid(s->db);
     out->rows++;
     out->contributions += r->jobs;
@@ -97,41 +85,29 @@ int store_forget(store *s, const char *name, const char *settings_digest, store_
 
 /* ---- contributions of forgotten fields ---- */
 
+#define REMOVAL(member) ROW_MEMBER(store_removal, member)
+static const row_type removal_type =
+    ROW_TYPE(store_removal, REMOVAL(forgotten), REMOVAL(field), REMOVAL(contribution), REMOVAL(job),
+             REMOVAL(kept), REMOVAL(catalog));
+
 void store_removal_deinit(store_removal *removal) {
-    free(removal->field);
-    free(removal->catalog);
-    *removal = (store_removal){0};
+    row_deinit(&removal_type, removal);
 }
 
 int store_next_removal(store *s, store_removal *next, shear_error *err) {
-    bool row = false;
-    *next = (store_removal){0};
-    CLEANUP(query_end) query q = query_on(s, SQL_FORGOTTEN_NEXT);
-    int code = query_step(&q, &row, err);
-    if (!row)
-        return code;
-    next->forgotten = query_get_int(&q);
-    next->field = query_get_text(&q);
-    next->contribution = query_get_int(&q);
-    next->job = query_get_int(&q);
-    next->kept = query_get_int(&q) != 0;
-    next->catalog = query_get_text(&q);
-    code = query_got(&q, err);
-    if (code != SHEAR_OK)
-        store_removal_deinit(next);
-    return code;
+    return row_get(query_on(s, SQL_FORGOTTEN_NEXT), &removal_type, next, NULL, err);
 }
 
 static int remove_contribution(store *s, const store_removal *removal, bool catalog_gone,
                                shear_error *err) {
     if (removal->contribution == 0)
         return query_run_id(s, SQL_FORGOTTEN_DROP, removal->forgotten, err);
-    int code = query_run_id(s, SQL_CONTRIBUTION_DROP, removal->contribution, err);
-    if (code != SHEAR_OK || !removal->kept)
-        return code;
-    code = query_run_id(s, SQL_JOB_RETRACT, removal->job, err);
-    if (code != SHEAR_OK || removal->catalog == NULL || !catalog_gone)
-        return code;
+    TRY(query_run_id(s, SQL_CONTRIBUTION_DROP, removal->contribution, err));
+    if (!removal->kept)
+        return SHEAR_OK;
+    TRY(query_run_id(s, SQL_JOB_RETRACT, removal->job, err));
+    if (removal->catalog == NULL || !catalog_gone)
+        return SHEAR_OK;
     return query_run_id(s, SQL_CATALOG_GONE, removal->job, err);
 }
 

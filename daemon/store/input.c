@@ -8,20 +8,13 @@
 
 #include <string.h>
 
-static int write_input(store *s, int64_t id, const store_input *input, shear_error *err) {
-    query q = query_on(s, SQL_JOB_SET_INPUT);
-    query_int(&q, id);
-    query_text(&q, input->field);
-    query_text(&q, input->content);
-    query_int(&q, input->n_stamps);
-    return query_run(&q, err);
-}
-
 /* Update the input; drop a checkpoint that belongs to another content. */
 static int update(store *s, int64_t id, const store_input *input, shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
     TRY(job_row_get_running(s, id, &job, err));
-    TRY(write_input(s, id, input, err));
+    TRY(query_run(QUERY(s, SQL_JOB_SET_INPUT, query_int(id), query_text(input->field),
+                        query_text(input->content), query_int(input->n_stamps)),
+                  err));
     const bool changed =
         job.content != NULL && input->content != NULL && strcmp(job.content, input->content) != 0;
     return changed ? query_run_id(s, SQL_CHECKPOINT_DROP, id, err) : SHEAR_OK;
@@ -32,12 +25,11 @@ static int set_input(store *s, int64_t id, const store_input *input, int64_t *du
     CLEANUP(job_row_deinit) job_row job = {0};
     identity_match match = {0};
     TRY(update(s, id, input, err));
-    int code = job_row_get(s, id, &job, err);
-    if (code != SHEAR_OK || job.force)
-        return code;
-    code = identity_find(s, job.field, job.settings_digest, job.content, &match, err);
+    TRY(job_row_get(s, id, &job, err));
+    if (!job.force)
+        TRY(identity_find(s, job.field, job.settings_digest, job.content, &match, err));
     *duplicate_of = match.job;
-    return code;
+    return SHEAR_OK;
 }
 
 int store_set_input(store *s, int64_t id, const store_input *input, int64_t *duplicate_of,

@@ -3,33 +3,27 @@
 
 #include "base/cleanup.h"
 #include "store/operation.h"
+#include "store/row.h"
 
 #include <assert.h>
 #include <inttypes.h>
-#include <stdlib.h>
+
+#define MEMBER(member) ROW_MEMBER(job_row, member)
+static const row_type job_row_type =
+    ROW_TYPE(job_row, MEMBER(state), MEMBER(cancel_asked), MEMBER(force), MEMBER(field),
+             MEMBER(settings_digest), MEMBER(content));
 
 void job_row_deinit(job_row *job) {
-    free(job->field);
-    free(job->settings_digest);
-    free(job->content);
-    *job = (job_row){0};
+    row_deinit(&job_row_type, job);
 }
 
 int job_row_get(store *s, int64_t id, job_row *job, shear_error *err) {
-    bool row = false;
-    *job = (job_row){.id = id};
-    CLEANUP(query_end) query q = query_on(s, SQL_JOB_ROW);
-    query_int(&q, id);
-    TRY(query_step(&q, &row, err));
-    if (!row)
+    bool found = false;
+    TRY(row_get(QUERY(s, SQL_JOB_ROW, query_int(id)), &job_row_type, job, &found, err));
+    if (!found)
         return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
-    job->state = (enum store_state)query_get_int(&q);
-    job->cancel_asked = query_get_int(&q) != 0;
-    job->force = query_get_int(&q) != 0;
-    job->field = query_get_text(&q);
-    job->settings_digest = query_get_text(&q);
-    job->content = query_get_text(&q);
-    return query_got(&q, err);
+    job->id = id;
+    return SHEAR_OK;
 }
 
 int job_wrong_state(const job_row *job, const char *wanted, shear_error *err) {
@@ -47,30 +41,18 @@ int job_close_attempt(store *s, int64_t id, enum store_attempt_outcome outcome, 
     OPERATION_ASSERT_OPEN(s);
     assert(outcome != STORE_ATTEMPT_OPEN);
     assert((why != NULL) == (outcome == STORE_ATTEMPT_FAILED));
-    query q = query_on(s, SQL_ATTEMPT_CLOSE);
-    query_int(&q, id);
-    query_int(&q, now_ms);
-    query_int(&q, outcome);
-    query_int(&q, why != NULL ? why->failure_class : STORE_NO_CLASS);
-    query_text(&q, why != NULL ? why->code : NULL);
-    query_text(&q, why != NULL ? why->message : NULL);
-    return query_run(&q, err);
+    static const store_failure none = {.failure_class = STORE_NO_CLASS};
+    const store_failure *f = why != NULL ? why : &none;
+    return query_run(QUERY(s, SQL_ATTEMPT_CLOSE, query_int(id), query_int(now_ms),
+                           query_int(outcome), query_int(f->failure_class), query_text(f->code),
+                           query_text(f->message)),
+                     err);
 }
 
 int job_make_cancelled(store *s, int64_t id, int64_t now_ms, shear_error *err) {
     OPERATION_ASSERT_OPEN(s);
-    query q = query_on(s, SQL_JOB_CANCEL);
-    query_int(&q, id);
-    query_int(&q, now_ms);
-    TRY(query_run(&q, err));
+    TRY(query_run(QUERY(s, SQL_JOB_CANCEL, query_int(id), query_int(now_ms)), err));
     return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
-}
-
-static int requeue(store *s, int64_t id, bool interrupted, shear_error *err) {
-    query q = query_on(s, SQL_REQUEUE);
-    query_int(&q, id);
-    query_int(&q, interrupted);
-    return query_run(&q, err);
 }
 
 int job_put_back(store *s, int64_t id, enum store_attempt_outcome outcome, int64_t now_ms,
@@ -83,15 +65,15 @@ int job_put_back(store *s, int64_t id, enum store_attempt_outcome outcome, int64
         *state = STORE_CANCELLED;
         return job_make_cancelled(s, id, now_ms, err);
     }
-    return requeue(s, id, outcome == STORE_ATTEMPT_INTERRUPTED, err);
+    const bool interrupted = outcome == STORE_ATTEMPT_INTERRUPTED;
+    return query_run(QUERY(s, SQL_REQUEUE, query_int(id), query_int(interrupted)), err);
 }
 
 int job_check_capacity(store *s, int64_t max_unfinished, shear_error *err) {
     int64_t unfinished = 0;
-    query q = query_on(s, SQL_UNFINISHED);
-    const int code = query_number(&q, 0, &unfinished, err);
-    if (code != SHEAR_OK || unfinished < max_unfinished)
-        return code;
+    TRY(query_number(query_on(s, SQL_UNFINISHED), 0, &unfinished, err));
+    if (unfinished < max_unfinished)
+        return SHEAR_OK;
     return shear_fail(err, STORE_QUEUE_FULL, "submit again when jobs have finished",
                       "the queue is full: %" PRId64 " unfinished jobs, the limit is %" PRId64,
                       unfinished, max_unfinished);

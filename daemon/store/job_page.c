@@ -5,7 +5,7 @@
 #include "store/page.h"
 
 #include "base/cleanup.h"
-#include "store/query.h"
+#include "store/row.h"
 
 #include <stdlib.h>
 
@@ -24,8 +24,7 @@ void store_job_page_deinit(store_job_page *page) {
 }
 
 int store_last_job(store *s, int64_t *id, shear_error *err) {
-    query q = query_on(s, SQL_LAST_JOB);
-    return query_number(&q, 0, id, err);
+    return query_number(query_on(s, SQL_LAST_JOB), 0, id, err);
 }
 
 static enum sql statement_for(const store_job_filter *f) {
@@ -37,21 +36,19 @@ static enum sql statement_for(const store_job_filter *f) {
 /* Add the `limit` newest ids of one state. */
 static int add_ids(store *s, const store_job_filter *f, enum store_state state, size_t limit,
                    id_list *list, shear_error *err) {
-    bool row = false;
-    CLEANUP(query_end) query q = query_on(s, statement_for(f));
-    query_int(&q, state);
-    query_int(&q, f->before > 0 ? f->before : INT64_MAX);
-    query_int(&q, (int64_t)limit);
-    if (f->by_owner)
-        query_int(&q, f->owner);
-    if (f->field != NULL)
-        query_text(&q, f->field);
-    int code = query_step(&q, &row, err);
-    while (row && list->n < IDS_MAX) {
-        list->ids[list->n++] = query_get_int(&q);
-        code = query_step(&q, &row, err);
-    }
-    return code;
+    static const row_member id = {MEMBER_INT64, 0};
+    static const row_type id_type = {sizeof(int64_t), &id, 1};
+    const parameter field = query_text(f->field);
+    const parameter parameters[] = {
+        query_int(state), query_int(f->before > 0 ? f->before : INT64_MAX),
+        query_int((int64_t)limit), f->by_owner ? query_int(f->owner) : field, field};
+    const size_t n_parameters = 3 + (size_t)f->by_owner + (f->field != NULL);
+    size_t n = 0;
+    bool more = false;
+    TRY(row_list(query_with(s, statement_for(f), parameters, n_parameters), &id_type, limit,
+                 list->ids + list->n, &n, &more, err));
+    list->n += n;
+    return SHEAR_OK;
 }
 
 static int descending(const void *a, const void *b) {
@@ -62,30 +59,25 @@ static int descending(const void *a, const void *b) {
 
 static int find_ids(store *s, const store_job_filter *f, size_t limit, id_list *list,
                     shear_error *err) {
-    int code = SHEAR_OK;
     list->n = 0;
-    for (enum store_state state = STORE_QUEUED; state < STORE_N_STATES && code == SHEAR_OK;
-         state++) {
+    for (enum store_state state = STORE_QUEUED; state < STORE_N_STATES; state++) {
         if (f->states == 0 || (f->states & 1u << state) != 0)
-            code = add_ids(s, f, state, limit, list, err);
+            TRY(add_ids(s, f, state, limit, list, err));
     }
     qsort(list->ids, list->n, sizeof list->ids[0], descending);
-    return code;
+    return SHEAR_OK;
 }
 
 static int fill(store *s, const id_list *list, size_t limit, store_job_page *page,
                 shear_error *err) {
     const size_t n = list->n < limit ? list->n : limit;
-    int code = SHEAR_OK;
     page->more = list->n > limit;
     page->jobs = calloc(n + 1, sizeof *page->jobs);
     if (page->jobs == NULL)
         return page_no_memory(err);
-    while (page->n < n && code == SHEAR_OK) {
-        code = store_job_get(s, list->ids[page->n], &page->jobs[page->n], err);
-        page->n++;
-    }
-    return code;
+    for (; page->n < n; page->n++)
+        TRY(store_job_get(s, list->ids[page->n], &page->jobs[page->n], err));
+    return SHEAR_OK;
 }
 
 int store_jobs(store *s, const store_job_filter *filter, size_t limit, store_job_page *page,

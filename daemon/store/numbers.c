@@ -3,7 +3,7 @@
 #include "store/operation.h"
 
 #include "base/cleanup.h"
-#include "store/query.h"
+#include "store/row.h"
 
 int store_count(store *s, store_counts *counts, shear_error *err) {
     bool row = false;
@@ -24,52 +24,33 @@ int store_count(store *s, store_counts *counts, shear_error *err) {
     return code;
 }
 
-static void read_totals(query *q, store_totals *t) {
-    t->submitted = query_get_int(q);
-    t->counted = query_get_int(q);
-    t->duplicates = query_get_int(q);
-    t->failed = query_get_int(q);
-    t->cancelled = query_get_int(q);
-    t->retired = query_get_int(q);
-    t->attempts = query_get_int(q);
-    t->interrupted = query_get_int(q);
-    for (int i = STORE_NO_CLASS; i <= STORE_BUG; i++)
-        t->failures[i] = query_get_int(q);
-    t->n_stamps = query_get_int(q);
-    t->n_used = query_get_int(q);
-    t->elapsed_us = query_get_int(q);
-    t->fields = query_get_int(q);
-    t->retracted = query_get_int(q);
-}
+#define TOTAL(member) ROW_MEMBER(store_totals, member)
+static const row_type totals_type =
+    ROW_TYPE(store_totals, TOTAL(submitted), TOTAL(counted), TOTAL(duplicates), TOTAL(failed),
+             TOTAL(cancelled), TOTAL(retired), TOTAL(attempts), TOTAL(interrupted),
+             TOTAL(failures[STORE_NO_CLASS]), TOTAL(failures[STORE_TRANSIENT]),
+             TOTAL(failures[STORE_DATA]), TOTAL(failures[STORE_BUG]), TOTAL(n_stamps),
+             TOTAL(n_used), TOTAL(elapsed_us), TOTAL(fields), TOTAL(retracted));
 
 int store_total(store *s, store_totals *totals, shear_error *err) {
-    bool row = false;
-    *totals = (store_totals){0};
-    CLEANUP(query_end) query q = query_on(s, SQL_TOTALS);
-    const int code = query_step(&q, &row, err);
-    if (row)
-        read_totals(&q, totals);
-    return code;
+    return row_get(query_on(s, SQL_TOTALS), &totals_type, totals, NULL, err);
 }
 
 /* Retire the oldest finished jobs, at most `n`, and add their number to *gone. */
 static int retire_some(store *s, int64_t before_ms, int64_t n, int64_t *gone, shear_error *err) {
     if (n <= 0)
         return SHEAR_OK;
-    query q = query_on(s, SQL_RETIRE);
-    query_int(&q, before_ms);
-    query_int(&q, n);
-    const int code = query_run(&q, err);
-    *gone += code == SHEAR_OK ? sqlite3_changes64(s->db) : 0;
-    return code;
+    TRY(query_run(QUERY(s, SQL_RETIRE, query_int(before_ms), query_int(n)), err));
+    *gone += sqlite3_changes64(s->db);
+    return SHEAR_OK;
 }
 
 static int retire(store *s, const store_retention *rule, int64_t *gone, shear_error *err) {
     store_counts counts;
     int64_t finished = 0;
-    int code = retire_some(s, rule->finished_before_ms, rule->batch, gone, err);
-    if (code != SHEAR_OK || rule->keep < 0)
-        return code;
+    TRY(retire_some(s, rule->finished_before_ms, rule->batch, gone, err));
+    if (rule->keep < 0)
+        return SHEAR_OK;
     TRY(store_count(s, &counts, err));
     for (enum store_state state = STORE_DONE; state < STORE_N_STATES; state++)
         finished += counts.jobs[state];

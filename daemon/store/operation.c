@@ -4,8 +4,7 @@
 #include "store/query.h"
 
 static int run(store *s, enum sql which, shear_error *err) {
-    query q = query_on(s, which);
-    return query_run(&q, err);
+    return query_run(query_on(s, which), err);
 }
 
 static bool in_transaction(const store *s) {

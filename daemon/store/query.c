@@ -4,6 +4,7 @@
 #include "base/cleanup.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 query query_on(store *s, enum sql which) {
@@ -17,35 +18,28 @@ query query_on(store *s, enum sql which) {
     return q;
 }
 
-void query_int(query *q, int64_t value) {
-    if (q->rc == SQLITE_OK)
-        q->rc = sqlite3_bind_int64(q->stmt, ++q->bound, value);
-}
-
-void query_real(query *q, double value, bool null) {
-    if (q->rc == SQLITE_OK) {
-        q->bound++;
-        q->rc = null ? sqlite3_bind_null(q->stmt, q->bound)
-                     : sqlite3_bind_double(q->stmt, q->bound, value);
+static int bind(sqlite3_stmt *stmt, int at, const parameter *p) {
+    switch (p->type) {
+    case SQLITE_INTEGER:
+        return sqlite3_bind_int64(stmt, at, p->number);
+    case SQLITE_FLOAT:
+        return sqlite3_bind_double(stmt, at, p->real);
+    case SQLITE_TEXT:
+        return sqlite3_bind_text(stmt, at, p->bytes, -1, SQLITE_STATIC);
+    default: /* a NULL pointer would bind as null */
+        return sqlite3_bind_blob64(stmt, at, p->size > 0 ? p->bytes : "", p->size, SQLITE_STATIC);
     }
 }
 
-void query_text(query *q, const char *text) {
-    if (q->rc == SQLITE_OK) { /* a NULL text binds as null */
-        q->rc = sqlite3_bind_text(q->stmt, ++q->bound, text, -1, SQLITE_STATIC);
-    }
-}
-
-void query_blob(query *q, const unsigned char *bytes, size_t size) {
-    if (q->rc == SQLITE_OK) { /* a NULL pointer would bind as null */
-        q->rc = sqlite3_bind_blob64(q->stmt, ++q->bound, size > 0 ? (const void *)bytes : "", size,
-                                    SQLITE_STATIC);
-    }
+query query_with(store *s, enum sql which, const parameter *parameters, size_t n) {
+    query q = query_on(s, which);
+    assert(q.rc != SQLITE_OK || n == (size_t)sqlite3_bind_parameter_count(q.stmt));
+    for (size_t i = 0; i < n && q.rc == SQLITE_OK; i++)
+        q.rc = bind(q.stmt, (int)i + 1, &parameters[i]);
+    return q;
 }
 
 int query_step(query *q, bool *row, shear_error *err) {
-    assert(q->stmt == NULL || q->bound == sqlite3_bind_parameter_count(q->stmt) ||
-           q->rc != SQLITE_OK);
     int rc = q->rc;
     if (rc == SQLITE_OK)
         rc = sqlite3_step(q->stmt);
@@ -67,10 +61,10 @@ int64_t query_get_int(query *q) {
     return sqlite3_column_int64(q->stmt, q->column++);
 }
 
-double query_get_real(query *q, bool *null) {
+double query_get_real(query *q) {
     const int column = q->column++;
-    *null = sqlite3_column_type(q->stmt, column) == SQLITE_NULL;
-    return sqlite3_column_double(q->stmt, column);
+    const bool null = sqlite3_column_type(q->stmt, column) == SQLITE_NULL;
+    return null ? NAN : sqlite3_column_double(q->stmt, column);
 }
 
 const unsigned char *query_get_blob(query *q, size_t *size) {
@@ -108,24 +102,22 @@ void query_end(query *q) {
     }
 }
 
-int query_run(query *q, shear_error *err) {
+int query_run(query q, shear_error *err) {
     bool row = false;
-    const int code = query_step(q, &row, err);
-    query_end(q);
+    const int code = query_step(&q, &row, err);
+    query_end(&q);
     return code;
 }
 
 int query_run_id(store *s, enum sql which, int64_t id, shear_error *err) {
-    query q = query_on(s, which);
-    query_int(&q, id);
-    return query_run(&q, err);
+    return query_run(QUERY(s, which, query_int(id)), err);
 }
 
-int query_number(query *q, int64_t otherwise, int64_t *number, shear_error *err) {
+int query_number(query q, int64_t otherwise, int64_t *number, shear_error *err) {
     bool row = false;
-    const int code = query_step(q, &row, err);
-    *number = row ? query_get_int(q) : otherwise;
-    query_end(q);
+    const int code = query_step(&q, &row, err);
+    *number = row ? query_get_int(&q) : otherwise;
+    query_end(&q);
     return code;
 }
 

@@ -7,26 +7,19 @@
 #include "store/operation.h"
 #include "store/query.h"
 
-static int run_timed(store *s, enum sql which, int64_t id, int64_t value, shear_error *err) {
-    query q = query_on(s, which);
-    query_int(&q, id);
-    query_int(&q, value);
-    return query_run(&q, err);
-}
-
 static int start(store *s, int64_t id, int64_t now_ms, shear_error *err) {
-    TRY(run_timed(s, SQL_START, id, now_ms, err));
-    TRY(run_timed(s, SQL_ATTEMPT_OPEN, id, now_ms, err));
-    return run_timed(s, SQL_ATTEMPT_PRUNE, id, STORE_ATTEMPTS_KEPT, err);
+    const parameter job = query_int(id);
+    TRY(query_run(QUERY(s, SQL_START, job, query_int(now_ms)), err));
+    TRY(query_run(QUERY(s, SQL_ATTEMPT_OPEN, job, query_int(now_ms)), err));
+    return query_run(QUERY(s, SQL_ATTEMPT_PRUNE, job, query_int(STORE_ATTEMPTS_KEPT)), err);
 }
 
 static int next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
     int64_t id = 0;
     TRY(query_run_id(s, SQL_WAKE, now_ms, err));
-    query q = query_on(s, SQL_NEXT);
-    int code = query_number(&q, 0, &id, err);
-    if (code != SHEAR_OK || id == 0)
-        return code;
+    TRY(query_number(query_on(s, SQL_NEXT), 0, &id, err));
+    if (id == 0)
+        return SHEAR_OK;
     TRY(start(s, id, now_ms, err));
     return store_job_get(s, id, job, err);
 }
@@ -40,12 +33,12 @@ int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
 }
 
 int store_next_due(store *s, int64_t *due_ms, shear_error *err) {
-    query q = query_on(s, SQL_DUE);
-    return query_number(&q, INT64_MAX, due_ms, err);
+    return query_number(query_on(s, SQL_DUE), INT64_MAX, due_ms, err);
 }
 
 static int set_clock(store *s, const store_clock *c, shear_error *err) {
-    TRY(run_timed(s, SQL_WAITING_SHIFT, c->delta_ms, c->latest_ms, err));
+    TRY(query_run(QUERY(s, SQL_WAITING_SHIFT, query_int(c->delta_ms), query_int(c->latest_ms)),
+                  err));
     return query_run_id(s, SQL_FINISHED_CLAMP, c->now_ms, err);
 }
 
@@ -60,8 +53,7 @@ static void copy_text(char *to, size_t size, query *q) {
 int store_waiting_reasons(store *s, store_waiting *reasons, size_t capacity, size_t *n,
                           shear_error *err) {
     bool row = false;
-    CLEANUP(query_end) query q = query_on(s, SQL_WAITING_REASONS);
-    query_int(&q, (int64_t)capacity);
+    CLEANUP(query_end) query q = QUERY(s, SQL_WAITING_REASONS, query_int((int64_t)capacity));
     int code = query_step(&q, &row, err);
     for (*n = 0; row && *n < capacity; (*n)++) {
         store_waiting *w = &reasons[*n];
@@ -76,15 +68,10 @@ int store_waiting_reasons(store *s, store_waiting *reasons, size_t capacity, siz
     return code;
 }
 
-static int retry_waiting(store *s, const char *failure, int64_t now_ms, shear_error *err) {
-    query q = query_on(s, SQL_RETRY_WAITING);
-    query_int(&q, now_ms);
-    query_text(&q, failure);
-    return query_run(&q, err);
-}
-
 int store_retry_waiting(store *s, const char *failure, int64_t now_ms, shear_error *err) {
-    return OPERATION(s, retry_waiting(s, failure, now_ms, err), err);
+    return OPERATION(
+        s, query_run(QUERY(s, SQL_RETRY_WAITING, query_int(now_ms), query_text(failure)), err),
+        err);
 }
 
 static int check_failure(const store_failure *f, shear_error *err) {
@@ -100,16 +87,12 @@ static int check_failure(const store_failure *f, shear_error *err) {
 
 static int write_failure(store *s, int64_t id, const store_failure *f, enum store_state state,
                          shear_error *err) {
-    query q = query_on(s, SQL_JOB_FAIL);
-    query_int(&q, id);
-    query_int(&q, state);
-    query_int(&q, state == STORE_WAITING ? f->retry_at_ms : 0);
-    query_int(&q, state == STORE_WAITING ? 0 : f->now_ms);
-    query_int(&q, f->failure_class);
-    query_text(&q, f->code);
-    query_text(&q, f->message);
-    query_text(&q, f->advice);
-    return query_run(&q, err);
+    const bool waits = state == STORE_WAITING;
+    return query_run(QUERY(s, SQL_JOB_FAIL, query_int(id), query_int(state),
+                           query_int(waits ? f->retry_at_ms : 0), query_int(waits ? 0 : f->now_ms),
+                           query_int(f->failure_class), query_text(f->code), query_text(f->message),
+                           query_text(f->advice)),
+                     err);
 }
 
 static int fail(store *s, int64_t id, const store_failure *f, enum store_state *state,
@@ -120,10 +103,8 @@ static int fail(store *s, int64_t id, const store_failure *f, enum store_state *
     *state = job.cancel_asked      ? STORE_CANCELLED
              : f->retry_at_ms >= 0 ? STORE_WAITING
                                    : STORE_FAILED;
-    int code = write_failure(s, id, f, *state, err);
-    if (code != SHEAR_OK || *state != STORE_CANCELLED)
-        return code;
-    return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
+    TRY(write_failure(s, id, f, *state, err));
+    return *state == STORE_CANCELLED ? query_run_id(s, SQL_CHECKPOINT_DROP, id, err) : SHEAR_OK;
 }
 
 /* Return `code`; on error reset *state. */

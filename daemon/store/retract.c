@@ -4,11 +4,10 @@
 
 #include "base/cleanup.h"
 #include "store/operation.h"
-#include "store/query.h"
+#include "store/row.h"
 #include "store/sums_text.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 
 typedef struct counted {
     int64_t id, field;
@@ -17,29 +16,22 @@ typedef struct counted {
     char *packed, *field_packed;
 } counted;
 
+#define COUNTED(member) ROW_MEMBER(counted, member)
+static const row_type counted_type =
+    ROW_TYPE(counted, COUNTED(id), COUNTED(field), COUNTED(n_stamps), COUNTED(n_used),
+             COUNTED(counted_ms), COUNTED(jobs), COUNTED(packed), COUNTED(field_packed));
+
 static void counted_deinit(counted *c) {
-    free(c->packed);
-    free(c->field_packed);
+    row_deinit(&counted_type, c);
 }
 
 static int find_counted(store *s, int64_t job, counted *c, shear_error *err) {
-    bool row = false;
-    CLEANUP(query_end) query q = query_on(s, SQL_CONTRIBUTION_OF);
-    query_int(&q, job);
-    TRY(query_step(&q, &row, err));
-    if (!row) {
-        return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
-                          "job %" PRId64 " was counted, and has no contribution", job);
-    }
-    c->id = query_get_int(&q);
-    c->field = query_get_int(&q);
-    c->n_stamps = query_get_int(&q);
-    c->n_used = query_get_int(&q);
-    c->counted_ms = query_get_int(&q);
-    c->jobs = query_get_int(&q);
-    c->packed = query_get_text(&q);
-    c->field_packed = query_get_text(&q);
-    return query_got(&q, err);
+    bool found = false;
+    TRY(row_get(QUERY(s, SQL_CONTRIBUTION_OF, query_int(job)), &counted_type, c, &found, err));
+    if (found)
+        return SHEAR_OK;
+    return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
+                      "job %" PRId64 " was counted, and has no contribution", job);
 }
 
 /* Compute the field's sums without the contribution, which has been removed. */
@@ -62,13 +54,9 @@ static int leave_field(store *s, const counted *c, shear_error *err) {
     if (c->jobs == 1)
         return query_run_id(s, SQL_FIELD_DROP, c->field, err);
     TRY(subtract(s, c, &packed, err));
-    query q = query_on(s, SQL_FIELD_LEAVE);
-    query_int(&q, c->field);
-    query_text(&q, packed);
-    query_int(&q, c->n_stamps);
-    query_int(&q, c->n_used);
-    query_int(&q, c->counted_ms);
-    return query_run(&q, err);
+    return query_run(QUERY(s, SQL_FIELD_LEAVE, query_int(c->field), query_text(packed),
+                           query_int(c->n_stamps), query_int(c->n_used), query_int(c->counted_ms)),
+                     err);
 }
 
 static int check_counted(const store_job *job, shear_error *err) {
@@ -96,9 +84,9 @@ static int retract_counted(store *s, int64_t id, shear_error *err) {
 
 static int retract(store *s, int64_t id, shear_error *err) {
     CLEANUP(store_job_deinit) store_job job = {0};
-    int code = store_job_get(s, id, &job, err);
-    if (code != SHEAR_OK || job.state == STORE_RETRACTED)
-        return code;
+    TRY(store_job_get(s, id, &job, err));
+    if (job.state == STORE_RETRACTED)
+        return SHEAR_OK;
     TRY(check_counted(&job, err));
     return retract_counted(s, id, err);
 }
@@ -113,8 +101,7 @@ int store_next_leftover(store *s, int64_t after, int64_t *id, char **path, shear
     bool row = false;
     *id = 0;
     *path = NULL;
-    CLEANUP(query_end) query q = query_on(s, SQL_LEFTOVER);
-    query_int(&q, after);
+    CLEANUP(query_end) query q = QUERY(s, SQL_LEFTOVER, query_int(after));
     int code = query_step(&q, &row, err);
     if (!row)
         return code;

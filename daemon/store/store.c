@@ -61,19 +61,14 @@ static int requeue_running(store *s, int64_t now_ms, shear_error *err) {
     for (;;) {
         int64_t id = 0;
         enum store_state state = STORE_QUEUED;
-        query q = query_on(s, SQL_RUNNING);
-        int code = query_number(&q, 0, &id, err);
-        if (code != SHEAR_OK || id == 0)
-            return code;
+        TRY(query_number(query_on(s, SQL_RUNNING), 0, &id, err));
+        if (id == 0)
+            return SHEAR_OK;
         TRY(job_put_back(s, id, STORE_ATTEMPT_INTERRUPTED, now_ms, &state, err));
         assert(state == STORE_QUEUED || state == STORE_CANCELLED);
         s->opening.requeued += state == STORE_QUEUED;
         s->opening.cancelled += state == STORE_CANCELLED;
     }
-}
-
-static int recover(store *s, int64_t now_ms, shear_error *err) {
-    return OPERATION(s, requeue_running(s, now_ms, err), err);
 }
 
 static int open_database(store *s, const store_options *options, int64_t now_ms, shear_error *err) {
@@ -83,7 +78,7 @@ static int open_database(store *s, const store_options *options, int64_t now_ms,
     TRY(bring_up_to_date(s, version, err));
     TRY(database_use_wal(s->db, s->path, err));
     TRY(read_identity(s, err));
-    return recover(s, now_ms, err);
+    return OPERATION(s, requeue_running(s, now_ms, err), err);
 }
 
 int store_open(store **out, const char *path, const store_options *options, int64_t now_ms,

@@ -4,6 +4,7 @@
 
 #include "base/cleanup.h"
 #include "store/operation.h"
+#include "store/row.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -25,98 +26,80 @@ static int check_spec(const store_spec *p, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Bind the parameters that SQL_KEY_FIND and SQL_JOB_ADD have in common. */
-static query query_spec(store *s, enum sql which, const store_spec *p) {
-    query q = query_on(s, which);
-    query_int(&q, p->owner);
-    query_text(&q, p->key);
-    query_text(&q, p->source);
-    query_text(&q, p->settings_digest);
-    query_text(&q, p->field);
-    query_int(&q, p->origin);
-    query_int(&q, p->priority);
-    query_int(&q, p->force);
-    return q;
-}
+/* The parameters that SQL_KEY_FIND and SQL_JOB_ADD have in common. */
+#define REQUEST(p)                                                                                 \
+    query_int((p)->owner), query_text((p)->key), query_text((p)->source),                          \
+        query_text((p)->settings_digest), query_text((p)->field), query_int((p)->origin),          \
+        query_int((p)->priority), query_int((p)->force)
+
+/* A job that was found, and whether it is the one that is asked for. */
+typedef struct found_job {
+    int64_t id; /* 0: none */
+    bool same;
+} found_job;
+static const row_type found_type =
+    ROW_TYPE(found_job, ROW_MEMBER(found_job, id), ROW_MEMBER(found_job, same));
 
 /* Find the job with this owner's key; *id is 0 if there is none. */
 static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err) {
-    bool row = false;
+    found_job found = {0};
     *id = 0;
-    if (p->key == NULL)
-        return SHEAR_OK;
-    CLEANUP(query_end) query q = query_spec(s, SQL_KEY_FIND, p);
-    const int code = query_step(&q, &row, err);
-    if (!row)
-        return code;
-    const int64_t found = query_get_int(&q);
-    if (query_get_int(&q) == 0) {
+    if (p->key != NULL)
+        TRY(row_get(QUERY(s, SQL_KEY_FIND, REQUEST(p)), &found_type, &found, NULL, err));
+    if (found.id != 0 && !found.same) {
         return shear_fail(err, STORE_KEY_REUSED, "use a new key for a new request",
                           "the idempotency key '%s' belongs to another request (job %" PRId64 ")",
-                          p->key, found);
+                          p->key, found.id);
     }
-    *id = found;
+    *id = found.id;
     return SHEAR_OK;
 }
 
 static int keep_settings(store *s, const store_spec *p, shear_error *err) {
-    bool row = false;
-    query find = query_on(s, SQL_SETTINGS_FIND);
-    query_text(&find, p->settings_digest);
-    query_text(&find, p->settings);
-    const int code = query_step(&find, &row, err);
-    const bool same = row && query_get_int(&find) != 0;
-    query_end(&find);
-    if (code != SHEAR_OK || same)
-        return code;
-    if (row) {
+    enum { NEW = -1 };
+    int64_t same = NEW;
+    const parameter digest = query_text(p->settings_digest);
+    const parameter settings = query_text(p->settings);
+    TRY(query_number(QUERY(s, SQL_SETTINGS_FIND, digest, settings), NEW, &same, err));
+    if (same == 0) {
         return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
                           "the settings digest %s already stands for other settings",
                           p->settings_digest);
     }
-    query add = query_on(s, SQL_SETTINGS_ADD);
-    query_text(&add, p->settings_digest);
-    query_text(&add, p->settings);
-    return query_run(&add, err);
+    return same != NEW ? SHEAR_OK : query_run(QUERY(s, SQL_SETTINGS_ADD, digest, settings), err);
 }
 
 /* Find or add the groups; *number is 0 if they are not known. */
 static int keep_credentials(store *s, const store_spec *p, int64_t *number, shear_error *err) {
+    const parameter gid = query_int(p->gid);
+    const parameter groups = query_text(p->groups);
     *number = 0;
     if (p->groups == NULL)
         return SHEAR_OK;
-    query find = query_on(s, SQL_CREDENTIALS_FIND);
-    query_int(&find, p->gid);
-    query_text(&find, p->groups);
-    int code = query_number(&find, 0, number, err);
-    if (code != SHEAR_OK || *number != 0)
-        return code;
-    query add = query_on(s, SQL_CREDENTIALS_ADD);
-    query_int(&add, p->gid);
-    query_text(&add, p->groups);
-    code = query_run(&add, err);
-    *number = code == SHEAR_OK ? sqlite3_last_insert_rowid(s->db) : 0;
-    return code;
+    TRY(query_number(QUERY(s, SQL_CREDENTIALS_FIND, gid, groups), 0, number, err));
+    if (*number != 0)
+        return SHEAR_OK;
+    TRY(query_run(QUERY(s, SQL_CREDENTIALS_ADD, gid, groups), err));
+    *number = sqlite3_last_insert_rowid(s->db);
+    return SHEAR_OK;
 }
 
 static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err) {
     int64_t credentials = 0;
     TRY(keep_credentials(s, p, &credentials, err));
-    query q = query_spec(s, SQL_JOB_ADD, p);
-    query_int(&q, p->created_ms);
-    query_int(&q, credentials);
-    query_text(&q, p->dropped);
-    int code = query_run(&q, err);
-    *id = code == SHEAR_OK ? sqlite3_last_insert_rowid(s->db) : 0;
-    return code;
+    TRY(query_run(QUERY(s, SQL_JOB_ADD, REQUEST(p), query_int(p->created_ms),
+                        query_int(credentials), query_text(p->dropped)),
+                  err));
+    *id = sqlite3_last_insert_rowid(s->db);
+    return SHEAR_OK;
 }
 
 static int submit(store *s, const store_spec *p, int64_t max_unfinished, int64_t *id, bool *known,
                   shear_error *err) {
-    int code = find_key(s, p, id, err);
+    TRY(find_key(s, p, id, err));
     *known = *id != 0;
-    if (code != SHEAR_OK || *known)
-        return code;
+    if (*known)
+        return SHEAR_OK;
     TRY(job_check_capacity(s, max_unfinished, err));
     TRY(keep_settings(s, p, err));
     return add_job(s, p, id, err);
@@ -137,20 +120,14 @@ int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64
 
 static int find_dropped(store *s, uint32_t owner, const char *key, const char *dropped, int64_t *id,
                         shear_error *err) {
-    bool row = false;
-    query find = query_on(s, SQL_DROPPED_FIND);
-    query_int(&find, owner);
-    query_text(&find, key);
-    const int code = query_step(&find, &row, err);
-    *id = row ? query_get_int(&find) : 0;
-    const bool named = row && query_get_int(&find) != 0;
-    query_end(&find);
-    if (code != SHEAR_OK || *id == 0 || named)
-        return code;
-    query name = query_on(s, SQL_DROPPED_SET); /* the job of an older version */
-    query_int(&name, *id);
-    query_text(&name, dropped);
-    return query_run(&name, err);
+    found_job found;
+    TRY(row_get(QUERY(s, SQL_DROPPED_FIND, query_int(owner), query_text(key)), &found_type, &found,
+                NULL, err));
+    *id = found.id;
+    if (found.id == 0 || found.same)
+        return SHEAR_OK;
+    /* the job of an older version */
+    return query_run(QUERY(s, SQL_DROPPED_SET, query_int(found.id), query_text(dropped)), err);
 }
 
 int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dropped, int64_t *id,
@@ -163,21 +140,16 @@ int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dr
     return code;
 }
 
-static int set_disposal(store *s, int64_t id, const char *place, const char *fingerprint,
-                        shear_error *err) {
-    query q = query_on(s, SQL_JOB_SET_DISPOSAL);
-    query_int(&q, id);
-    query_text(&q, place);
-    query_text(&q, fingerprint);
-    return query_run(&q, err);
-}
-
 int store_set_disposal(store *s, int64_t id, const char *place, const char *fingerprint,
                        shear_error *err) {
     const text_rule rules[] = {{"place of a dropped file", place, STORE_PATH_MAX, false},
                                {"mark of a dropped file", fingerprint, STORE_PATH_MAX, true}};
     TRY(query_check_texts(rules, sizeof rules / sizeof rules[0], err));
-    return OPERATION(s, set_disposal(s, id, place, fingerprint, err), err);
+    return OPERATION(s,
+                     query_run(QUERY(s, SQL_JOB_SET_DISPOSAL, query_int(id), query_text(place),
+                                     query_text(fingerprint)),
+                               err),
+                     err);
 }
 
 static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {

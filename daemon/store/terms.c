@@ -17,10 +17,10 @@ CLEANUP_DEFINE(shear_symmetry, shear_symmetry_free)
 
 int terms_check(const unsigned char *bytes, size_t size, shear_error *err) {
     CLEANUP(shear_symmetry_release) shear_symmetry *terms = NULL;
-    int code = shear_symmetry_new(&terms, err);
-    if (code != SHEAR_OK || bytes == NULL)
-        return code;
-    code = shear_symmetry_add_bytes(terms, bytes, size, err);
+    if (bytes == NULL)
+        return SHEAR_OK;
+    TRY(shear_symmetry_new(&terms, err));
+    const int code = shear_symmetry_add_bytes(terms, bytes, size, err);
     return code != SHEAR_E_FORMAT
                ? code
                : shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
@@ -29,13 +29,8 @@ int terms_check(const unsigned char *bytes, size_t size, shear_error *err) {
 
 /* Drop the checkpoint's terms from from_block on; *end is the block before which the rest ends. */
 static int cut(store *s, int64_t job, int64_t from_block, int64_t *end, shear_error *err) {
-    query drop = query_on(s, SQL_CHECKPOINT_TERMS_CUT);
-    query_int(&drop, job);
-    query_int(&drop, from_block);
-    TRY(query_run(&drop, err));
-    query q = query_on(s, SQL_CHECKPOINT_TERMS_END);
-    query_int(&q, job);
-    return query_number(&q, 0, end, err);
+    TRY(query_run(QUERY(s, SQL_CHECKPOINT_TERMS_CUT, query_int(job), query_int(from_block)), err));
+    return query_number(QUERY(s, SQL_CHECKPOINT_TERMS_END, query_int(job)), 0, end, err);
 }
 
 int terms_add_checkpoint(store *s, int64_t job, const store_progress *p, shear_error *err) {
@@ -50,39 +45,38 @@ int terms_add_checkpoint(store *s, int64_t job, const store_progress *p, shear_e
     }
     if (p->next_block == p->from_block)
         return SHEAR_OK;
-    query q = query_on(s, SQL_CHECKPOINT_TERMS_ADD);
-    query_int(&q, job);
-    query_int(&q, p->next_block);
-    query_blob(&q, p->terms, p->terms_size);
-    return query_run(&q, err);
+    return query_run(QUERY(s, SQL_CHECKPOINT_TERMS_ADD, query_int(job), query_int(p->next_block),
+                           query_blob(p->terms, p->terms_size)),
+                     err);
 }
 
 int terms_add_contribution(store *s, const unsigned char *bytes, size_t size, shear_error *err) {
     const int64_t contribution = sqlite3_last_insert_rowid(s->db);
     OPERATION_ASSERT_OPEN(s);
     int64_t part = 0;
-    int code = SHEAR_OK;
-    for (size_t at = 0; code == SHEAR_OK && (at < size || part == 0); at += PART_BYTES) {
-        query q = query_on(s, SQL_TERMS_ADD);
-        query_int(&q, contribution);
-        query_int(&q, part++);
-        query_blob(&q, bytes + at, size - at < PART_BYTES ? size - at : PART_BYTES);
-        query_int(&q, SHEAR_SYMMETRY_BYTES);
-        code = query_run(&q, err);
-    }
-    return code;
+    size_t at = 0;
+    do {
+        const size_t n = size - at < PART_BYTES ? size - at : PART_BYTES;
+        TRY(query_run(QUERY(s, SQL_TERMS_ADD, query_int(contribution), query_int(part),
+                            query_blob(bytes + at, n), query_int(SHEAR_SYMMETRY_BYTES)),
+                      err));
+        part++;
+        at += PART_BYTES;
+    } while (at < size);
+    return SHEAR_OK;
 }
 
 /* Add terms as version 0.1 stored them: without the last number, which is 0. */
 static int add_old(const unsigned char *bytes, size_t size, shear_symmetry *terms,
                    shear_error *err) {
     unsigned char stamp[SHEAR_SYMMETRY_BYTES] = {0};
-    int code = size % OLD_STAMP_BYTES == 0 ? SHEAR_OK : SHEAR_E_FORMAT;
-    for (size_t at = 0; code == SHEAR_OK && at < size; at += OLD_STAMP_BYTES) {
+    if (size % OLD_STAMP_BYTES != 0)
+        return SHEAR_E_FORMAT;
+    for (size_t at = 0; at < size; at += OLD_STAMP_BYTES) {
         memcpy(stamp, bytes + at, OLD_STAMP_BYTES);
-        code = shear_symmetry_add_bytes(terms, stamp, sizeof stamp, err);
+        TRY(shear_symmetry_add_bytes(terms, stamp, sizeof stamp, err));
     }
-    return code;
+    return SHEAR_OK;
 }
 
 static int add_part(query *q, shear_symmetry *terms, shear_error *err) {
@@ -114,9 +108,8 @@ static int read_all(query *q, shear_symmetry *terms, shear_error *err) {
 }
 
 int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, shear_error *err) {
-    query q = query_on(s, SQL_CHECKPOINT_TERMS);
-    query_int(&q, id);
-    query_int(&q, SHEAR_SYMMETRY_BYTES); /* schema version 6 has dropped older ones */
+    /* schema version 6 has dropped terms of another size */
+    query q = QUERY(s, SQL_CHECKPOINT_TERMS, query_int(id), query_int(SHEAR_SYMMETRY_BYTES));
     return read_all(&q, terms, err);
 }
 
@@ -124,7 +117,6 @@ int store_field_terms(store *s, const char *name, const char *settings_digest,
                       shear_symmetry *terms, shear_error *err) {
     int64_t field = 0;
     TRY(field_row_find(s, name, settings_digest, &field, err));
-    query q = query_on(s, SQL_FIELD_TERMS);
-    query_int(&q, field);
+    query q = QUERY(s, SQL_FIELD_TERMS, query_int(field));
     return read_all(&q, terms, err);
 }

@@ -98,12 +98,11 @@ static int find_contradiction(store *s, const char *sql, const char *meaning, sh
  * that counts most in these sums. */
 static int add_row(store *s, query *q, shear_field_sums *sums, shear_error *err) {
     CLEANUP(shear_field_sums_release) shear_field_sums *one = NULL;
-    bool null = false;
     TRY(sums_parse_packed(&one, query_peek_text(q), err));
-    const double size = query_get_real(q, &null);
+    const double size = query_get_real(q);
     const int64_t stamp = query_get_int(q);
     const shear_influence top = shear_field_sums_top(one);
-    const bool agrees = null ? isnan(top.size) : size == top.size && stamp == top.stamp;
+    const bool agrees = isnan(size) ? isnan(top.size) : size == top.size && stamp == top.stamp;
     if (!agrees) {
         return shear_fail(err, SHEAR_E_FORMAT, damaged,
                           "%s: the stamp that counts most is not that of the sums", s->path);
@@ -120,7 +119,7 @@ static int join_contributions(store *s, int64_t field, char **text, shear_error 
     bool row = false;
     TRY(shear_field_sums_new(&sums, err));
     CLEANUP(query_finalize) query q = query_once(s, sql, sql);
-    query_int(&q, field);
+    sqlite3_bind_int64(q.stmt, 1, field);
     for (;;) {
         TRY(query_step(&q, &row, err));
         if (!row)
