@@ -35,16 +35,11 @@ static int write_checkpoint(store *s, int64_t id, const store_progress *p, const
     return p->terms != NULL ? terms_add_checkpoint(s, id, p, err) : SHEAR_OK;
 }
 
-int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress, shear_error *err) {
+int store_checkpoint(store *s, int64_t id, const store_progress *progress, shear_error *err) {
     CLEANUP(release_free) char *packed = NULL;
     TRY(check_checkpoint(id, progress, err));
     TRY(sums_pack(progress->sums, &packed, err));
     return OPERATION(s, write_checkpoint(s, id, progress, packed, err), err);
-}
-
-int store_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err) {
-    const store_progress progress = {.next_block = next_block, .sums = sums};
-    return store_checkpoint_terms(s, id, &progress, err);
 }
 
 int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums,

@@ -72,10 +72,6 @@ const char *store_code_name(int code); /* or of enum shear_code */
 const char *store_state_name(enum store_state state);
 /* Return false for the unfinished states. */
 bool store_state_is_final(enum store_state state);
-const char *store_outcome_name(enum store_outcome outcome);
-const char *store_origin_name(enum store_origin origin);
-const char *store_class_name(enum store_class failure_class);
-const char *store_attempt_outcome_name(enum store_attempt_outcome outcome);
 
 /* Return true if the same call may succeed later: the disk is full, an I/O error, out of memory. */
 bool store_is_transient(int code);

@@ -128,22 +128,20 @@ typedef struct store_input {
 int store_set_input(store *s, int64_t id, const store_input *input, int64_t *duplicate_of,
                     shear_error *err);
 
-/* Store the exact sums (shear/sums.h) of blocks [0, next_block) of a running job, in place of the
- * last checkpoint. The checkpoint is dropped when the job is done or cancelled. STORE_WRONG_STATE
- * if the job's content is not known. */
-int store_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err);
-
-/* The same for estimators that need terms: with the terms (shear_symmetry_bytes) of the blocks
- * [from_block, next_block), which are added to those of earlier checkpoints; from_block = 0 begins
- * again. STORE_WRONG_STATE if the terms that end at from_block are missing (their checkpoint was
- * lost): the last checkpoint stays. */
 typedef struct store_progress {
     int64_t from_block, next_block;
-    const char *sums;
+    const char *sums; /* exact sums (shear/sums.h) of the blocks [0, next_block) */
+    /* For estimators that need terms, else NULL: those (shear_symmetry_bytes) of the blocks
+     * [from_block, next_block). They are added to the terms of earlier checkpoints; from_block = 0
+     * begins again. */
     const unsigned char *terms;
     size_t terms_size;
 } store_progress;
-int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress, shear_error *err);
+/* Store the progress of a running job, in place of the last checkpoint. The checkpoint is dropped
+ * when the job is done or cancelled. STORE_WRONG_STATE if the job's content is not known, or if the
+ * terms that end at from_block are missing (their checkpoint was lost): the last checkpoint stays.
+ */
+int store_checkpoint(store *s, int64_t id, const store_progress *progress, shear_error *err);
 /* Get the checkpoint. *sums is malloc'd, the caller's. STORE_NOT_FOUND if there is none. */
 int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums, shear_error *err);
 /* Append the terms that belong to the checkpoint to `terms`. No terms are not an error. */

@@ -24,27 +24,6 @@ bool store_state_is_final(enum store_state state) {
     return state >= STORE_DONE && state < STORE_N_STATES;
 }
 
-const char *store_outcome_name(enum store_outcome outcome) {
-    static const char *const names[] = {"none", "counted", "duplicate"};
-    return NAME_IN(names, outcome);
-}
-
-const char *store_origin_name(enum store_origin origin) {
-    static const char *const names[] = {"spool", "socket"};
-    return NAME_IN(names, origin);
-}
-
-const char *store_class_name(enum store_class failure_class) {
-    static const char *const names[] = {"none", "transient", "data", "bug"};
-    return NAME_IN(names, failure_class);
-}
-
-const char *store_attempt_outcome_name(enum store_attempt_outcome outcome) {
-    static const char *const names[] = {"open",      "done",     "failed",
-                                        "cancelled", "released", "interrupted"};
-    return NAME_IN(names, outcome);
-}
-
 bool store_is_transient(int code) {
     return code == SHEAR_E_IO || code == SHEAR_E_FULL || code == SHEAR_E_NOMEM;
 }

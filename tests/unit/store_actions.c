@@ -18,7 +18,7 @@ void fill(fixture *f) {
     const store_failure passing = fx_failure(f, STORE_TRANSIENT, INT64_MAX);
     FX_OK(store_fail(f->s, waiting, &passing, &end, &err));
     const int64_t running = fx_running(f, "a", "c4");
-    FX_OK(store_checkpoint(f->s, running, 2, sums_2, &err));
+    FX_OK(fx_checkpoint(f->s, running, 2, sums_2, &err));
     fx_running(f, "new", "c5");
     fx_submit(f, "a");
     FX_OK(store_commit(f->s, &err));
@@ -61,7 +61,7 @@ static const unsigned char terms[14 * SHEAR_SYMMETRY_BYTES];
 
 static int act_checkpoint(store *s, shear_error *err) {
     const store_progress progress = {0, 7, sums_1, terms, sizeof terms / 2};
-    return store_checkpoint_terms(s, 4, &progress, err);
+    return store_checkpoint(s, 4, &progress, err);
 }
 
 static int finish(store *s, int64_t id, shear_error *err) {

@@ -216,6 +216,11 @@ int64_t fx_done(fixture *f, const char *field, const char *content, unsigned see
     return id;
 }
 
+int fx_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err) {
+    const store_progress progress = {.next_block = next_block, .sums = sums};
+    return store_checkpoint(s, id, &progress, err);
+}
+
 int fx_state(fixture *f, int64_t id) {
     shear_error err = {0};
     store_job job;

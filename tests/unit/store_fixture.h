@@ -45,6 +45,8 @@ int64_t fx_submit(fixture *f, const char *field);
 int64_t fx_running(fixture *f, const char *field, const char *content);
 /* The same, and finish with fx_sums(seed). */
 int64_t fx_done(fixture *f, const char *field, const char *content, unsigned seed);
+/* Checkpoint blocks [0, next_block), without terms. */
+int fx_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err);
 /* Start the next job; 0 where there is none. */
 int64_t fx_next(fixture *f);
 int fx_state(fixture *f, int64_t id);

@@ -93,7 +93,7 @@ static void serve_next(service *v) {
     must(store_set_input(v->f->s, job.id, &learned, &of, NULL));
     if (draw(v, 4) == 0) {
         char *sums = fx_sums(0);
-        must(store_checkpoint(v->f->s, job.id, 1, sums, NULL));
+        must(fx_checkpoint(v->f->s, job.id, 1, sums, NULL));
         free(sums);
     }
     if (draw(v, 6) == 0) {

@@ -267,7 +267,7 @@ static void cancel_while_running_counts_nothing(void **state) {
     char *loaded = NULL;
     char *sums = fx_sums(4);
     const int64_t id = fx_running(f, "a", "c");
-    FX_OK(store_checkpoint(f->s, id, 3, sums, &err));
+    FX_OK(fx_checkpoint(f->s, id, 3, sums, &err));
     FX_OK(store_cancel(f->s, id, fx_now(f), &end_state, &err));
     const store_finished end = finish(f, id, sums);
     assert_int_equal(end.state, STORE_CANCELLED);
@@ -295,8 +295,8 @@ static void a_checkpoint_is_replaced_and_goes_with_the_end(void **state) {
     const int64_t id = fx_running(f, "a", "c");
     FX_CODE(STORE_NOT_FOUND, store_checkpoint_load(f->s, id, &block, &loaded, &err));
     assert_int_equal(block, 0);
-    FX_OK(store_checkpoint(f->s, id, 5, one, &err));
-    FX_OK(store_checkpoint(f->s, id, 9, two, &err));
+    FX_OK(fx_checkpoint(f->s, id, 5, one, &err));
+    FX_OK(fx_checkpoint(f->s, id, 9, two, &err));
     FX_OK(store_checkpoint_load(f->s, id, &block, &loaded, &err));
     assert_int_equal(block, 9);
     assert_string_equal(loaded, two);
@@ -317,10 +317,10 @@ static void a_checkpoint_belongs_to_a_content(void **state) {
     char *sums = fx_sums(1);
     const int64_t id = fx_submit(f, "a");
     fx_next(f);
-    FX_CODE(STORE_WRONG_STATE, store_checkpoint(f->s, id, 5, sums, &err));
+    FX_CODE(STORE_WRONG_STATE, fx_checkpoint(f->s, id, 5, sums, &err));
     store_input learned = {"a", "c", 160};
     FX_OK(store_set_input(f->s, id, &learned, &of, &err));
-    FX_OK(store_checkpoint(f->s, id, 5, sums, &err));
+    FX_OK(fx_checkpoint(f->s, id, 5, sums, &err));
     FX_OK(store_set_input(f->s, id, &learned, &of, &err)); /* the same file again */
     FX_OK(store_checkpoint_load(f->s, id, &block, &loaded, &err));
     free(loaded);
@@ -335,9 +335,9 @@ static void bad_checkpoints_are_refused(void **state) {
     shear_error err = {0};
     char *sums = fx_sums(1);
     const int64_t id = fx_running(f, "a", "c");
-    FX_CODE(SHEAR_E_INTERNAL, store_checkpoint(f->s, id, -1, sums, &err));
-    FX_CODE(SHEAR_E_INTERNAL, store_checkpoint(f->s, id, 1, "nonsense", &err));
-    FX_CODE(STORE_BAD_TEXT, store_checkpoint(f->s, id, 1, NULL, &err));
+    FX_CODE(SHEAR_E_INTERNAL, fx_checkpoint(f->s, id, -1, sums, &err));
+    FX_CODE(SHEAR_E_INTERNAL, fx_checkpoint(f->s, id, 1, "nonsense", &err));
+    FX_CODE(STORE_BAD_TEXT, fx_checkpoint(f->s, id, 1, NULL, &err));
     free(sums);
 }
 

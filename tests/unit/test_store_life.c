@@ -321,7 +321,7 @@ static void wrong_states_are_refused(void **state) {
     const int64_t idle[] = {queued, waiting, done, failed, cancelled};
     for (size_t i = 0; i < sizeof idle / sizeof idle[0]; i++) {
         FX_CODE(STORE_WRONG_STATE, store_set_input(f->s, idle[i], &learned, &duplicate_of, &err));
-        FX_CODE(STORE_WRONG_STATE, store_checkpoint(f->s, idle[i], 1, sums, &err));
+        FX_CODE(STORE_WRONG_STATE, fx_checkpoint(f->s, idle[i], 1, sums, &err));
         FX_CODE(STORE_WRONG_STATE, store_finish(f->s, idle[i], &work, &finished, &err));
         assert_int_equal(finished.state, 0);
         FX_CODE(STORE_WRONG_STATE, store_fail(f->s, idle[i], &failure, &end, &err));
@@ -336,7 +336,7 @@ static void wrong_states_are_refused(void **state) {
     FX_CODE(STORE_WRONG_STATE, store_retry(f->s, waiting, 100, &err));
 
     FX_CODE(STORE_NOT_FOUND, store_set_input(f->s, 99, &learned, &duplicate_of, &err));
-    FX_CODE(STORE_NOT_FOUND, store_checkpoint(f->s, 99, 1, sums, &err));
+    FX_CODE(STORE_NOT_FOUND, fx_checkpoint(f->s, 99, 1, sums, &err));
     FX_CODE(STORE_NOT_FOUND, store_finish(f->s, 99, &work, &finished, &err));
     FX_CODE(STORE_NOT_FOUND, store_fail(f->s, 99, &failure, &end, &err));
     FX_CODE(STORE_NOT_FOUND, store_release(f->s, 99, 1, &end, &err));
@@ -353,7 +353,7 @@ static void a_restart_queues_what_ran(void **state) {
     store_attempts list;
     char *sums = fx_sums(3);
     const int64_t running = fx_running(f, "a", "c");
-    FX_OK(store_checkpoint(f->s, running, 12, sums, &err));
+    FX_OK(fx_checkpoint(f->s, running, 12, sums, &err));
     const int64_t asked = submit_at(f, 0);
     fx_next(f);
     cancel(f, asked);

@@ -108,7 +108,7 @@ static void do_checkpoint(pair *p) {
     const int64_t id = pick(p, STORE_RUNNING);
     const int64_t block = draw(p, 100);
     FX_CODE(model_checkpoint(p->m, id, block),
-            store_checkpoint(p->f.s, id, block, p->sums[0][0], &err));
+            fx_checkpoint(p->f.s, id, block, p->sums[0][0], &err));
 }
 
 static void do_finish(pair *p) {

@@ -516,10 +516,6 @@ static void names_are_stable(void **state) {
     assert_string_equal(store_state_name(STORE_CANCELLED), "cancelled");
     assert_string_equal(store_state_name(STORE_N_STATES), "unknown");
     assert_string_equal(store_state_name((enum store_state) - 1), "unknown");
-    assert_string_equal(store_outcome_name(STORE_DUPLICATE), "duplicate");
-    assert_string_equal(store_origin_name(STORE_SOCKET), "socket");
-    assert_string_equal(store_class_name(STORE_BUG), "bug");
-    assert_string_equal(store_attempt_outcome_name(STORE_ATTEMPT_INTERRUPTED), "interrupted");
     assert_true(store_is_transient(SHEAR_E_IO));
     assert_true(store_is_transient(SHEAR_E_FULL));
     assert_true(store_is_transient(SHEAR_E_NOMEM));

@@ -35,7 +35,7 @@ static int save(fixture *f, int64_t id, int64_t from, int64_t to, int first, int
     char *sums = fx_sums(3);
     unsigned char *bytes = bytes_of(first, n);
     const store_progress progress = {from, to, sums, bytes, size_of(n)};
-    const int code = store_checkpoint_terms(f->s, id, &progress, &err);
+    const int code = store_checkpoint(f->s, id, &progress, &err);
     free(bytes);
     free(sums);
     return code;
@@ -185,8 +185,8 @@ static void nonsense_is_refused(void **state) {
     static const unsigned char odd[SHEAR_SYMMETRY_BYTES + 1];
     const store_progress torn = {0, 2, sums, odd, sizeof odd};
     const store_progress back = {3, 2, sums, odd, 0};
-    FX_CODE(SHEAR_E_INTERNAL, store_checkpoint_terms(f->s, id, &torn, &err));
-    FX_CODE(SHEAR_E_INTERNAL, store_checkpoint_terms(f->s, id, &back, &err));
+    FX_CODE(SHEAR_E_INTERNAL, store_checkpoint(f->s, id, &torn, &err));
+    FX_CODE(SHEAR_E_INTERNAL, store_checkpoint(f->s, id, &back, &err));
     const store_work work = {
         .sums = sums, .now_ms = fx_now(f), .terms = odd, .terms_size = sizeof odd};
     FX_CODE(SHEAR_E_INTERNAL, store_finish(f->s, id, &work, &end, &err));

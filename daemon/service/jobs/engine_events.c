@@ -128,7 +128,7 @@ static void checkpoint(service *s, const active_job *j, const engine_event *e) {
                                      .terms_size = e->terms_size};
     shear_error err = {0};
     if (group_begin(&s->group, &err) == SHEAR_OK &&
-        store_checkpoint_terms(s->store, j->id, &progress, &err) != SHEAR_OK) {
+        store_checkpoint(s->store, j->id, &progress, &err) != SHEAR_OK) {
         log_warning("job %" PRId64 ": no checkpoint: %s", j->id, err.message);
     }
 }
