@@ -113,10 +113,6 @@ int notify_stopping(const notify *n, const char *status, shear_error *err) {
     return send_with_status(n, "STOPPING=1\n", status, err);
 }
 
-int notify_status(const notify *n, const char *status, shear_error *err) {
-    return send_with_status(n, "", status != NULL ? status : "", err);
-}
-
 int notify_watchdog(const notify *n, shear_error *err) {
     return send_text(n, "WATCHDOG=1", err);
 }

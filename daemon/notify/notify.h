@@ -29,7 +29,5 @@ int notify_ready(const notify *n, const char *status, shear_error *err);
 int notify_reloading(const notify *n, shear_error *err);
 /* Report that the service stops. */
 int notify_stopping(const notify *n, const char *status, shear_error *err);
-/* Change the status; NULL clears it. */
-int notify_status(const notify *n, const char *status, shear_error *err);
 /* Report that the service is alive, at least twice per watchdog_ms. */
 int notify_watchdog(const notify *n, shear_error *err);

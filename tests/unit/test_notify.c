@@ -49,8 +49,8 @@ static void check_messages(int fd) {
     assert_string_equal(received(fd), "READY=1\n");
     assert_int_equal(notify_ready(&n, "3 jobs", &err), SHEAR_OK);
     assert_string_equal(received(fd), "READY=1\nSTATUS=3 jobs");
-    assert_int_equal(notify_status(&n, "a\nREADY=1\x7f", &err), SHEAR_OK);
-    assert_string_equal(received(fd), "STATUS=a?READY=1?");
+    assert_int_equal(notify_ready(&n, "a\nREADY=1\x7f", &err), SHEAR_OK);
+    assert_string_equal(received(fd), "READY=1\nSTATUS=a?READY=1?");
     assert_int_equal(notify_stopping(&n, "draining", &err), SHEAR_OK);
     assert_string_equal(received(fd), "STOPPING=1\nSTATUS=draining");
     assert_int_equal(notify_watchdog(&n, &err), SHEAR_OK);
