@@ -70,10 +70,10 @@ static const char *const statements[] = {
     "WITH RECURSIVE n(i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM n WHERE i < ?1)"
     " INSERT INTO jobs(id, state, outcome, origin, priority, forced, owner, attempts, attempt,"
     "  created_ms, started_ms, finished_ms, n_stamps, n_used, elapsed_us, field, field_asked,"
-    "  source, settings, content, result, catalog)"
+    "  source, settings, content, result, catalogue)"
     " SELECT i, state, outcome, origin, priority, forced, owner, attempts, attempt, i, i, i,"
     "  n_stamps, n_used, elapsed_us, printf('field-%07d', (i - 1) % ?2),"
-    "  printf('field-%07d', (i - 1) % ?2), source, settings, printf('%032x', i), result, catalog"
+    "  printf('field-%07d', (i - 1) % ?2), source, settings, printf('%032x', i), result, catalogue"
     "  FROM n, jobs j WHERE j.id = 1",
     "WITH RECURSIVE n(i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM n WHERE i < ?1)"
     " INSERT INTO attempts(job, number, started_ms, ended_ms, ending) SELECT i, 1, i, i, 1 FROM n",

@@ -79,13 +79,10 @@ const char *query_peek_text(query *q) {
 }
 
 char *query_get_text(query *q) {
-    if (sqlite3_column_type(q->stmt, q->column) == SQLITE_NULL) {
-        q->column++;
-        return NULL;
-    }
     const char *text = query_peek_text(q);
     char *copy = text != NULL ? strdup(text) : NULL;
-    q->no_memory = q->no_memory || copy == NULL;
+    if (copy == NULL && sqlite3_column_type(q->stmt, q->column - 1) != SQLITE_NULL)
+        q->no_memory = true;
     return copy;
 }
 

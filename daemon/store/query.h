@@ -25,10 +25,12 @@ typedef struct query {
 /* The value of a parameter. */
 typedef struct parameter {
     int type; /* SQLITE_INTEGER, SQLITE_FLOAT, SQLITE_TEXT or SQLITE_BLOB */
-    int64_t number;
-    double real;
-    const void *bytes; /* must live until query_end */
-    size_t size;       /* of a blob */
+    union {
+        int64_t number;
+        double real;
+        const void *bytes; /* must live until query_end */
+    };
+    size_t size; /* of a blob */
 } parameter;
 
 static inline parameter query_int(int64_t value) {

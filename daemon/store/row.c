@@ -4,32 +4,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-static member_value read_value(query *q, enum member_type type) {
+static void read_member(query *q, enum member_type type, void *member) {
     switch (type) {
     case MEMBER_BOOL:
-        return (member_value){.flag = query_get_int(q) != 0};
+        *(bool *)member = query_get_int(q) != 0;
+        break;
     case MEMBER_INT:
-        return (member_value){.number = (int)query_get_int(q)};
+        *(int *)member = (int)query_get_int(q);
+        break;
     case MEMBER_UNSIGNED:
-        return (member_value){.bits = (unsigned)query_get_int(q)};
+        *(unsigned *)member = (unsigned)query_get_int(q);
+        break;
     case MEMBER_INT64:
-        return (member_value){.count = query_get_int(q)};
+        *(int64_t *)member = query_get_int(q);
+        break;
     case MEMBER_DOUBLE:
-        return (member_value){.real = query_get_real(q)};
+        *(double *)member = query_get_real(q);
+        break;
     case MEMBER_TEXT:
-        return (member_value){.text = query_get_text(q)};
+        *(char **)member = query_get_text(q);
+        break;
     }
-    return (member_value){0};
 }
 
 /* Read the present row. */
 static int read_row(query *q, const row_type *type, char *row, shear_error *err) {
-    memset(row, 0, type->size);
-    for (size_t i = 0; i < type->n; i++) {
-        const row_member *m = &type->members[i];
-        const member_value value = read_value(q, m->type);
-        memcpy(row + m->at, &value, member_size(m->type));
-    }
+    for (size_t i = 0; i < type->n; i++)
+        read_member(q, type->members[i].type, row + type->members[i].at);
     const int code = query_got(q, err);
     if (code != SHEAR_OK)
         row_deinit(type, row);

@@ -37,8 +37,8 @@ int row_next(query *q, const row_type *type, void *row, bool *found, shear_error
 int row_get(query q, const row_type *type, void *row, bool *found, shear_error *err);
 void row_deinit(const row_type *type, void *row);
 
-/* Read all rows into an array of `limit` structs, and end. *n is the number of those read, also
- * after an error; *more is true if the query has more rows. */
+/* Read all rows into a zeroed array of `limit` structs, and end. *n is the number of those read,
+ * also after an error; *more is true if the query has more rows. */
 int row_list(query q, const row_type *type, size_t limit, void *rows, size_t *n, bool *more,
              shear_error *err);
 void row_free(const row_type *type, void *rows, size_t n);
