@@ -7,6 +7,7 @@
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 /* Read from `offset`, or from the descriptor's position if `offset` is negative. */
@@ -66,6 +67,15 @@ int io_rename(int directory, const char *from, const char *to, bool replace) {
     /* Not every file system supports that flag; a link does not replace a file either. */
     if (linkat(directory, from, directory, to, 0) != 0 || unlinkat(directory, from, 0) != 0)
         return errno;
+    return 0;
+}
+
+int io_own_directory(char *out, size_t size) {
+    const ssize_t n = readlink("/proc/self/exe", out, size);
+    if (n <= 0 || (size_t)n >= size)
+        return n < 0 ? errno : ENAMETOOLONG;
+    out[n] = '\0';
+    *strrchr(out, '/') = '\0';
     return 0;
 }
 

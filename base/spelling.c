@@ -15,6 +15,14 @@ bool spelling_same(const char *a, const char *b) {
     return *a == *b;
 }
 
+int spelling_find(const char *const *words, const char *name) {
+    for (int i = 0; words[i] != NULL; i++) {
+        if (spelling_same(words[i], name))
+            return i;
+    }
+    return -1;
+}
+
 static unsigned least(unsigned a, unsigned b) {
     return a < b ? a : b;
 }

@@ -61,6 +61,17 @@ bool text_to_double(const char *text, double *value) {
     return true;
 }
 
+bool text_to_bool(const char *text, bool *value) {
+    static const char *const words[] = {"false", "true", "no", "yes", "off", "on", "0", "1"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(words[i], text) == 0) {
+            *value = i % 2 == 1;
+            return true;
+        }
+    }
+    return false;
+}
+
 int text_digits(double value, int least) {
     char text[40];
     for (int digits = least; digits < DBL_DECIMAL_DIG; digits++) {

@@ -39,9 +39,20 @@ static void others_are_not(void **state) {
     assert_string_equal(best_of("at", twins), "cat");
 }
 
+static void words_are_found(void **state) {
+    (void)state;
+    static const char *const words[] = {"one", "log_mean", "three", NULL};
+    assert_int_equal(spelling_find(words, "one"), 0);
+    assert_int_equal(spelling_find(words, "log-mean"), 1);
+    assert_int_equal(spelling_find(words, "on"), -1);
+    assert_int_equal(spelling_find(words, "One"), -1);
+    assert_int_equal(spelling_find(words + 3, ""), -1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_are_the_same),
+        cmocka_unit_test(words_are_found),
         cmocka_unit_test(the_nearest_is_named),
         cmocka_unit_test(others_are_not),
     };

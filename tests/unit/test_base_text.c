@@ -65,6 +65,19 @@ static void numbers_are_the_whole_text(void **state) {
     assert_true(isinf(x));
 }
 
+static void words_are_true_or_false(void **state) {
+    (void)state;
+    static const char *const words[] = {"true", "yes", "on", "1", "false", "no", "off", "0"};
+    for (size_t i = 0; i < 8; i++) {
+        bool value = i >= 4;
+        assert_true(text_to_bool(words[i], &value));
+        assert_int_equal(value, i < 4);
+    }
+    bool value = true;
+    assert_false(text_to_bool("", &value) || text_to_bool("True", &value));
+    assert_true(value);
+}
+
 static void digits_suffice(void **state) {
     (void)state;
     static const double values[] = {0.0,     0.1,          1.0 / 3.0, -2.5e-300,
@@ -85,6 +98,7 @@ int main(void) {
         cmocka_unit_test(lists_have_commas),
         cmocka_unit_test(endings_have_no_case),
         cmocka_unit_test(numbers_are_the_whole_text),
+        cmocka_unit_test(words_are_true_or_false),
         cmocka_unit_test(digits_suffice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

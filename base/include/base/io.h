@@ -25,6 +25,9 @@ int io_finish(int fd, int error);
  * `replace` is set. Return 0 or errno, EEXIST if the name is taken. */
 int io_rename(int directory, const char *from, const char *to, bool replace);
 
+/* Write the directory of the running program into out[size]. Return 0 or errno. */
+int io_own_directory(char *out, size_t size);
+
 /* Open a nameless file in `directory` for reading and writing; it is gone when it is closed. Return
  * a descriptor (close-on-exec), or -1 with errno set. */
 int io_open_nameless(const char *directory);

@@ -7,6 +7,9 @@
 /* Return whether two names are the same. Case matters. */
 bool spelling_same(const char *a, const char *b);
 
+/* Return the index of the name in `words`, an array ended by NULL, or -1. */
+int spelling_find(const char *const *words, const char *name);
+
 /* A search for the name that was probably meant. Begin with {.given = name} and pass all candidates
  * to spelling_consider. `best` is then the nearest candidate, the first of equals, or NULL if none
  * is near: at most a third of its letters may be inserted, deleted, changed or swapped with the

@@ -32,6 +32,10 @@ bool text_ends_with(const char *text, const char *end);
 bool text_to_int64(const char *text, int64_t *value);
 bool text_to_double(const char *text, double *value);
 
+/* Parse true, yes, on or 1, or false, no, off or 0. Return false, with *value unchanged, if it is
+ * none of them. */
+bool text_to_bool(const char *text, bool *value);
+
 /* Return the fewest significant digits, from `least` to 17, with which "%.*g" writes a finite value
  * so that strtod reads the same bits back. */
 int text_digits(double value, int least);
