@@ -41,7 +41,7 @@ static void give_back(engine *e, job *j) {
 enum budget_answer budget_wait(job *j, int64_t bytes) {
     engine *e = j->engine;
     enum budget_answer answer = BUDGET_RESERVED;
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     assert(j->phase == JOB_PREPARING && bytes >= 0);
     assert(j->reserved == 0);
     const int stage = atomic_load(&j->stage);
@@ -60,13 +60,12 @@ enum budget_answer budget_wait(job *j, int64_t bytes) {
     atomic_store(&j->stage, stage);
     if (answer == BUDGET_RESERVED)
         reserve(e, j, bytes);
-    pthread_mutex_unlock(&e->lock);
     return answer;
 }
 
 bool budget_settle(job *j, int64_t bytes) {
     engine *e = j->engine;
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     plan_cache_count(e->plans, j->plan);
     const bool possible = bytes <= j->reserved || has_room(e, bytes - j->reserved);
     if (possible) {
@@ -74,21 +73,15 @@ bool budget_settle(job *j, int64_t bytes) {
     } else {
         give_back(e, j);
     }
-    pthread_mutex_unlock(&e->lock);
     return possible;
 }
 
 void budget_return(job *j) {
-    engine *e = j->engine;
-    pthread_mutex_lock(&e->lock);
-    give_back(e, j);
-    pthread_mutex_unlock(&e->lock);
+    LOCKED(&j->engine->lock);
+    give_back(j->engine, j);
 }
 
 int64_t budget_total(const job *j) {
-    engine *e = j->engine;
-    pthread_mutex_lock(&e->lock);
-    const int64_t total = e->budget.total;
-    pthread_mutex_unlock(&e->lock);
-    return total;
+    LOCKED(&j->engine->lock);
+    return j->engine->budget.total;
 }

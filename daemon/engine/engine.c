@@ -5,24 +5,11 @@
 #include "engine/job_thread.h"
 #include "engine/workers.h"
 
-#include <errno.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 CLEANUP_DEFINE(engine, engine_free)
-
-/* Call pthread_create with all signals blocked in the new thread: the loop's thread handles them.
- */
-static int start_thread(pthread_t *thread, void *(*start)(void *), void *argument) {
-    sigset_t all;
-    sigset_t before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int rc = pthread_create(thread, NULL, start, argument);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return rc;
-}
+CLEANUP_DEFINE(shear_symmetry, shear_symmetry_free)
 
 bool engine_next_event(engine *e, engine_event *event) {
     return event_queue_pop(&e->events, event);
@@ -56,23 +43,11 @@ static void stop(engine *e, job *j) {
 
 /* ---- creating and freeing ---- */
 
-static int start_worker(engine *e, int slot) {
-    worker_start *start = malloc(sizeof *start);
-    if (start == NULL)
-        return ENOMEM;
-    *start = (worker_start){.e = e, .slot = slot};
-    const int rc = start_thread(&e->threads[slot], worker_main, start);
-    if (rc != 0) {
-        free(start);
-        return rc;
-    }
-    e->n_threads++;
-    return 0;
-}
-
 static int start_workers(engine *e, shear_error *err) {
-    for (int i = 0; i < e->options.workers; i++) {
-        const int rc = start_worker(e, i);
+    for (; e->n_workers < e->options.workers; e->n_workers++) {
+        worker *w = &e->workers[e->n_workers];
+        *w = (worker){.engine = e, .slot = e->n_workers};
+        const int rc = thread_start(&w->thread, worker_main, w);
         if (rc != 0) {
             return shear_fail(err, SHEAR_E_NOMEM, "use fewer workers",
                               "cannot start %d threads: %s", e->options.workers, strerror(rc));
@@ -94,9 +69,9 @@ int engine_new(engine **out, const engine_options *options, shear_error *err) {
     pthread_cond_init(&e->work_available, NULL);
     e->program = strdup(options->limits.program);
     e->scratch = strdup(options->limits.scratch);
-    e->threads = calloc((size_t)options->workers, sizeof(pthread_t));
+    e->workers = calloc((size_t)options->workers, sizeof *e->workers);
     e->plans = plan_cache_new(options->plans_count, options->plans_bytes);
-    if (e->program == NULL || e->scratch == NULL || e->threads == NULL || e->plans == NULL)
+    if (e->program == NULL || e->scratch == NULL || e->workers == NULL || e->plans == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
     engine_limit_readers(e, &options->limits);
     TRY(start_workers(e, err));
@@ -116,8 +91,8 @@ void engine_free(engine *e) {
     while (e->job_threads > 0)
         pthread_cond_wait(&e->progressed, &e->lock);
     pthread_mutex_unlock(&e->lock);
-    for (int i = 0; i < e->n_threads; i++)
-        pthread_join(e->threads[i], NULL);
+    for (int i = 0; i < e->n_workers; i++)
+        pthread_join(e->workers[i].thread, NULL);
     event_queue_deinit(&e->events);
     plan_cache_free(e->plans);
     pthread_mutex_destroy(&e->lock);
@@ -125,7 +100,7 @@ void engine_free(engine *e) {
     pthread_cond_destroy(&e->progressed);
     free(e->program);
     free(e->scratch);
-    free(e->threads);
+    free(e->workers);
     free(e);
 }
 
@@ -141,7 +116,7 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a job");
     pthread_t thread;
     pthread_mutex_lock(&e->lock);
-    const int rc = start_thread(&thread, job_thread_main, j); /* it waits for the lock */
+    const int rc = thread_start(&thread, job_thread_main, j); /* it waits for the lock */
     if (rc == 0) {
         j->served = least_served(e);
         j->next = e->jobs;
@@ -159,14 +134,12 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
 
 /* Return a copy, or NULL if `terms` is NULL or memory is out. */
 static shear_symmetry *copy_terms(const shear_symmetry *terms) {
-    shear_symmetry *copy = NULL;
-    if (terms == NULL || shear_symmetry_new(&copy, NULL) != SHEAR_OK)
-        return NULL;
-    if (shear_symmetry_join(copy, terms, 0, NULL) != SHEAR_OK) {
-        shear_symmetry_free(copy);
+    CLEANUP(shear_symmetry_release) shear_symmetry *copy = NULL;
+    if (terms == NULL || shear_symmetry_new(&copy, NULL) != SHEAR_OK ||
+        shear_symmetry_join(copy, terms, 0, NULL) != SHEAR_OK) {
         return NULL;
     }
-    return copy;
+    return CLEANUP_TAKE(copy);
 }
 
 void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
@@ -190,43 +163,38 @@ void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
 }
 
 void engine_stop_job(engine *e, int64_t id) {
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     job *j = find(e, id);
     if (j != NULL)
         stop(e, j);
-    pthread_mutex_unlock(&e->lock);
 }
 
 bool engine_get_progress(engine *e, int64_t id, engine_progress *progress) {
-    pthread_mutex_lock(&e->lock);
-    job *j = find(e, id);
-    const bool known = j != NULL;
-    if (known) {
-        *progress = (engine_progress){.stage = (enum engine_stage)atomic_load(&j->stage),
-                                      .hashed = atomic_load(&j->hashed),
-                                      .bytes = j->bytes,
-                                      .total = -1};
-    }
-    if (known && j->phase == JOB_MEASURING) {
+    LOCKED(&e->lock);
+    const job *j = find(e, id);
+    if (j == NULL)
+        return false;
+    *progress = (engine_progress){.stage = (enum engine_stage)atomic_load(&j->stage),
+                                  .hashed = atomic_load(&j->hashed),
+                                  .bytes = j->bytes,
+                                  .total = -1};
+    if (j->phase == JOB_MEASURING) {
         const shear_work_status status = shear_work_get_status(j->work);
         progress->done = status.stamps_done;
         progress->total = status.stamps_total;
     }
-    pthread_mutex_unlock(&e->lock);
-    return known;
+    return true;
 }
 
 bool engine_partial(engine *e, int64_t id, shear_field_sums *sums) {
-    pthread_mutex_lock(&e->lock);
-    job *j = find(e, id);
-    const bool known = j != NULL && j->phase == JOB_MEASURING;
-    if (known) {
-        if (j->before != NULL)
-            shear_field_sums_join(sums, j->before);
-        shear_work_join_into(j->work, sums);
-    }
-    pthread_mutex_unlock(&e->lock);
-    return known;
+    LOCKED(&e->lock);
+    const job *j = find(e, id);
+    if (j == NULL || j->phase != JOB_MEASURING)
+        return false;
+    if (j->before != NULL)
+        shear_field_sums_join(sums, j->before);
+    shear_work_join_into(j->work, sums);
+    return true;
 }
 
 static int64_t blocks_left(const job *j) {
@@ -237,8 +205,8 @@ static int64_t blocks_left(const job *j) {
 }
 
 engine_load engine_get_load(engine *e) {
-    pthread_mutex_lock(&e->lock);
-    engine_load load = {.workers = e->n_threads, .busy = e->busy, .stamps_total = e->stamps_total};
+    LOCKED(&e->lock);
+    engine_load load = {.workers = e->n_workers, .busy = e->busy, .stamps_total = e->stamps_total};
     load.memory_total = e->budget.total;
     load.memory_used = e->budget.reserved;
     for (const job *j = e->jobs; j != NULL; j = j->next) {
@@ -248,7 +216,6 @@ engine_load engine_get_load(engine *e) {
     }
     load.plans = plan_cache_get_statistics(e->plans);
     load.memory_used += load.plans.bytes;
-    pthread_mutex_unlock(&e->lock);
     return load;
 }
 
@@ -260,10 +227,9 @@ void engine_limit_readers(engine *e, const reader_limits *limits) {
 }
 
 void engine_limit_memory(engine *e, int64_t bytes) {
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     e->budget.total = bytes;
     pthread_cond_broadcast(&e->progressed);
-    pthread_mutex_unlock(&e->lock);
 }
 
 void engine_limit_plans(engine *e, int64_t count, int64_t bytes) {

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/event_queue.h"
 
+#include "base/thread.h"
+
 #include <stdlib.h>
 #include <unistd.h>
 
 struct queued_event {
-    queued_event *next;
+    STAILQ_ENTRY(queued_event) link;
     engine_event event;
     bool is_last; /* the last event of `thread` */
     pthread_t thread;
@@ -20,7 +22,7 @@ void engine_event_deinit(engine_event *event) {
 
 void event_queue_init(event_queue *q, void (*wake)(void *context), void *context) {
     *q = (event_queue){.wake = wake, .context = context};
-    q->last = &q->first;
+    STAILQ_INIT(&q->list);
     pthread_mutex_init(&q->lock, NULL);
 }
 
@@ -32,9 +34,8 @@ void event_queue_deinit(event_queue *q) {
 }
 
 void event_queue_silence(event_queue *q) {
-    pthread_mutex_lock(&q->lock);
+    LOCKED(&q->lock);
     q->silent = true;
-    pthread_mutex_unlock(&q->lock);
 }
 
 /* Allocate an entry. If memory is out, wait for some: no event may be lost. */
@@ -54,23 +55,23 @@ void event_queue_push(event_queue *q, const engine_event *event, const pthread_t
     if (last_of != NULL)
         one->thread = *last_of;
     pthread_mutex_lock(&q->lock);
-    *q->last = one;
-    q->last = &one->next;
+    STAILQ_INSERT_TAIL(&q->list, one, link);
     const bool silent = q->silent;
     pthread_mutex_unlock(&q->lock);
     if (!silent)
         q->wake(q->context);
 }
 
+static queued_event *take_first(event_queue *q) {
+    LOCKED(&q->lock);
+    queued_event *one = STAILQ_FIRST(&q->list);
+    if (one != NULL)
+        STAILQ_REMOVE_HEAD(&q->list, link);
+    return one;
+}
+
 bool event_queue_pop(event_queue *q, engine_event *event) {
-    pthread_mutex_lock(&q->lock);
-    queued_event *one = q->first;
-    if (one != NULL) {
-        q->first = one->next;
-        if (q->first == NULL)
-            q->last = &q->first;
-    }
-    pthread_mutex_unlock(&q->lock);
+    queued_event *one = take_first(q);
     if (one == NULL)
         return false;
     if (one->is_last)

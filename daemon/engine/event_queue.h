@@ -6,12 +6,13 @@
 #include "engine/engine.h"
 
 #include <pthread.h>
+#include <sys/queue.h>
 
 typedef struct queued_event queued_event;
 
 typedef struct event_queue {
     pthread_mutex_t lock;
-    queued_event *first, **last;
+    STAILQ_HEAD(, queued_event) list;
     bool silent;
     void (*wake)(void *context); /* notifies the owner of a new event; called from any thread */
     void *context;

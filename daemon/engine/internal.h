@@ -10,6 +10,7 @@
  * only when that is 0. */
 #pragma once
 
+#include "base/thread.h"
 #include "engine/engine.h"
 #include "engine/event_queue.h"
 #include "engine/job.h"
@@ -18,12 +19,19 @@
 #include <errno.h>
 #include <pthread.h>
 
+/* A worker thread. */
+typedef struct worker {
+    engine *engine;
+    int slot; /* its index */
+    pthread_t thread;
+} worker;
+
 struct engine {
     engine_options options;
     char *program, *scratch;
     atomic_llong scratch_used; /* bytes of unpacked copies, of all readers */
-    pthread_t *threads;        /* workers */
-    int n_threads;
+    worker *workers;           /* [n_workers] */
+    int n_workers;
     plan_cache *plans;  /* has a lock of its own, which may be acquired under `lock`, but not the
                            other way */
     event_queue events; /* likewise */

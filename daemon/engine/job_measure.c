@@ -32,18 +32,16 @@ static int open_catalog(job *j, int64_t *first_block, shear_error *err) {
 
 /* Count a worker that begins to read. Its first read was counted when it entered the job. */
 static void count_reader(job *j, int slot) {
-    pthread_mutex_lock(&j->engine->lock);
+    LOCKED(&j->engine->lock);
     j->reading += !j->entering[slot];
     j->entering[slot] = false;
-    pthread_mutex_unlock(&j->engine->lock);
 }
 
 static void discount_reader(job *j) {
-    pthread_mutex_lock(&j->engine->lock);
+    LOCKED(&j->engine->lock);
     assert(j->reading > 0);
     j->reading--;
     job_call_workers(j);
-    pthread_mutex_unlock(&j->engine->lock);
 }
 
 static int read_block(void *self, int slot, int64_t first, int count, const shear_block **block,

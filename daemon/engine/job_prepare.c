@@ -93,21 +93,14 @@ static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
 
 /* ---- all steps ---- */
 
-static int open_and_hash(job *j, engine_event *event, shear_error *err) {
+static int prepare(job *j, engine_event *event, shear_error *err) {
     TRY(reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err));
     event->info = *reader_get_info(j->reader);
     event->guards = reader_get_guards(j->reader);
     atomic_store(&j->stage, ENGINE_HASHING);
-    int code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
+    TRY(reader_checksum(j->reader, j->checksum, &j->hashed, err));
     memcpy(event->checksum, j->checksum, sizeof event->checksum);
-    return code;
-}
-
-static int prepare(job *j, engine_event *event, shear_error *err) {
-    int code = open_and_hash(j, event, err);
     atomic_store(&j->stage, ENGINE_PREPARING);
-    if (code != SHEAR_OK)
-        return code;
     j->size = shear_unit_size_for(&event->info, j->workers);
     TRY(reader_map(j->reader, j->workers, j->size.stamps, err));
     TRY(make_plan(j, &event->info, err));

@@ -64,13 +64,12 @@ static int make_checkpoint(job *j, engine_event *event, shear_error *err) {
 void job_save_checkpoint(job *j) {
     engine_event event = {.kind = ENGINE_CHECKPOINT, .job = j->id};
     shear_error ignored;
-    pthread_mutex_lock(&j->saving); /* checkpoints are queued in the order of their blocks */
+    LOCKED(&j->saving); /* checkpoints are queued in the order of their blocks */
     if (make_checkpoint(j, &event, &ignored) == SHEAR_OK) {
         event_queue_push(&j->engine->events, &event, NULL);
     } else {
         engine_event_deinit(&event);
     }
-    pthread_mutex_unlock(&j->saving);
 }
 
 /* ---- result ---- */
@@ -98,8 +97,8 @@ static int complete(job *j, engine_event *event, shear_error *err) {
     if (j->terms_before != NULL)
         TRY(shear_symmetry_join(f.terms, j->terms_before, 0, err));
     TRY(shear_estimate(j->settings.estimator, f.sums, f.terms, &event->result, err));
-    int code = job_sums_write(&f, event, err);
-    return code != SHEAR_OK || j->catalog == NULL ? code : finish_catalog(j, &event->result, err);
+    TRY(job_sums_write(&f, event, err));
+    return j->catalog == NULL ? SHEAR_OK : finish_catalog(j, &event->result, err);
 }
 
 void job_finish(job *j, engine_event *event) {

@@ -6,24 +6,21 @@
 #include "engine/internal.h"
 
 static void set_phase(engine *e, job *j, enum job_phase phase) {
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     j->phase = phase;
-    pthread_mutex_unlock(&e->lock);
 }
 
 /* Wait for engine_go or a stop. Return true if the job is to be measured. */
 static bool wait_for_go(engine *e, job *j) {
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     while (!j->go && !j->stop_asked)
         pthread_cond_wait(&e->progressed, &e->lock);
-    const bool go = !j->stop_asked;
-    pthread_mutex_unlock(&e->lock);
-    return go;
+    return !j->stop_asked;
 }
 
 /* Let the workers measure the job, and wait until they have finished. */
 static void wait_until_measured(engine *e, job *j) {
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     assert(j->phase == JOB_OPENED);
     j->phase = JOB_MEASURING;
     j->counted =
@@ -36,7 +33,6 @@ static void wait_until_measured(engine *e, job *j) {
         pthread_cond_wait(&e->progressed, &e->lock);
     j->phase = JOB_FINISHING;
     atomic_store(&j->stage, ENGINE_FINISHING);
-    pthread_mutex_unlock(&e->lock);
 }
 
 /* Measure an opened job. *event becomes its last event. */
@@ -60,12 +56,11 @@ static void measure(engine *e, job *j, engine_event *event) {
 }
 
 static void unlink_job(engine *e, job *j) {
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     job **at = &e->jobs;
     while (*at != j)
         at = &(*at)->next;
     *at = j->next;
-    pthread_mutex_unlock(&e->lock);
 }
 
 void *job_thread_main(void *argument) {
@@ -82,9 +77,8 @@ void *job_thread_main(void *argument) {
     job_free(j);
     const pthread_t self = pthread_self();
     event_queue_push(&e->events, &event, &self);
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     e->job_threads--;
     pthread_cond_broadcast(&e->progressed);
-    pthread_mutex_unlock(&e->lock);
     return NULL;
 }

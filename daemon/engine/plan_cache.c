@@ -5,6 +5,7 @@
 #include "engine/plan_cache.h"
 
 #include "base/cleanup.h"
+#include "base/thread.h"
 
 #include <assert.h>
 #include <pthread.h>
@@ -14,7 +15,7 @@
 #include <sys/queue.h>
 
 typedef struct key {
-    unsigned char *bytes;
+    char *bytes;
     size_t n;
 } key;
 
@@ -36,17 +37,15 @@ struct plan_cache {
 
 /* ---- keys ---- */
 
-/* Make a key of all that a plan depends on: equal keys mean equal plans. */
+/* Make a key of all that a plan depends on: equal keys mean equal plans. The caller frees it, also
+ * after a failure. */
 static bool key_make(key *k, const shear_plan_request *request) {
     const shear_geometry *g = &request->geometry;
     size_t n_settings = 0;
     const shear_setting_def *table = shear_settings_table(&n_settings);
     const size_t n_psf =
         request->psf != NULL ? (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *request->psf : 0;
-    char *text = NULL;
-    size_t n = 0;
-    FILE *out = open_memstream(&text, &n);
-    *k = (key){0};
+    FILE *out = open_memstream(&k->bytes, &k->n);
     if (out == NULL)
         return false;
     for (size_t i = 0; i < n_settings; i++) {
@@ -60,12 +59,7 @@ static bool key_make(key *k, const shear_plan_request *request) {
     fprintf(out, "%d;%d;", request->n_psfs, request->n_unusable);
     for (int i = 0; i < request->n_psfs; i++)
         fwrite(&request->psfs[i], 1, sizeof request->psfs[i], out);
-    if (fclose(out) != 0) {
-        free(text);
-        return false;
-    }
-    *k = (key){.bytes = (unsigned char *)text, .n = n};
-    return true;
+    return fclose(out) == 0;
 }
 
 static void key_deinit(key *k) {
@@ -96,7 +90,7 @@ static void use(plan_cache *p, kept_plan *kept) {
 static void kept_free(kept_plan *kept) {
     if (kept != NULL) {
         shear_plan_free(kept->plan);
-        free(kept->key.bytes);
+        key_deinit(&kept->key);
     }
     free(kept);
 }
@@ -150,11 +144,10 @@ plan_cache *plan_cache_new(int64_t max_count, int64_t max_bytes) {
 }
 
 void plan_cache_limit(plan_cache *p, int64_t max_count, int64_t max_bytes) {
-    pthread_mutex_lock(&p->lock);
+    LOCKED(&p->lock);
     p->max_count = max_count;
     p->max_bytes = max_bytes;
     shrink(p, p->max_count, p->max_bytes);
-    pthread_mutex_unlock(&p->lock);
 }
 
 void plan_cache_free(plan_cache *p) {
@@ -175,7 +168,7 @@ static int make(plan_cache *p, key *k, const shear_plan_request *request, const 
     fresh->key = *k;
     *k = (key){0};
     fresh->bytes = shear_plan_bytes(fresh->plan) + (int64_t)fresh->key.n;
-    pthread_mutex_lock(&p->lock);
+    LOCKED(&p->lock);
     kept_plan *kept = find(p, &fresh->key);
     if (kept == NULL) {
         kept = CLEANUP_TAKE(fresh);
@@ -183,18 +176,16 @@ static int make(plan_cache *p, key *k, const shear_plan_request *request, const 
     }
     use(p, kept);
     *plan = kept->plan;
-    pthread_mutex_unlock(&p->lock);
     return SHEAR_OK;
 }
 
 static const shear_plan *acquire_kept(plan_cache *p, const key *k) {
-    pthread_mutex_lock(&p->lock);
+    LOCKED(&p->lock);
     kept_plan *kept = find(p, k);
     if (kept != NULL)
         use(p, kept);
     p->statistics.hits += kept != NULL;
     p->statistics.misses += kept == NULL;
-    pthread_mutex_unlock(&p->lock);
     return kept != NULL ? kept->plan : NULL;
 }
 
@@ -209,34 +200,28 @@ int plan_cache_acquire(plan_cache *p, const shear_plan_request *request, const s
 }
 
 int64_t plan_cache_shrink_to(plan_cache *p, int64_t bytes) {
-    pthread_mutex_lock(&p->lock);
+    LOCKED(&p->lock);
     shrink(p, INT64_MAX, bytes);
-    const int64_t left = p->statistics.bytes;
-    pthread_mutex_unlock(&p->lock);
-    return left;
+    return p->statistics.bytes;
 }
 
 void plan_cache_count(plan_cache *p, const shear_plan *plan) {
-    pthread_mutex_lock(&p->lock);
+    LOCKED(&p->lock);
     count(p, find_plan(p, plan));
     shrink(p, p->max_count, p->max_bytes);
-    pthread_mutex_unlock(&p->lock);
 }
 
 void plan_cache_release(plan_cache *p, const shear_plan *plan) {
     if (plan == NULL)
         return;
-    pthread_mutex_lock(&p->lock);
+    LOCKED(&p->lock);
     kept_plan *kept = find_plan(p, plan);
     count(p, kept);
     kept->users--;
     shrink(p, p->max_count, p->max_bytes);
-    pthread_mutex_unlock(&p->lock);
 }
 
 plan_cache_statistics plan_cache_get_statistics(plan_cache *p) {
-    pthread_mutex_lock(&p->lock);
-    const plan_cache_statistics now = p->statistics;
-    pthread_mutex_unlock(&p->lock);
-    return now;
+    LOCKED(&p->lock);
+    return p->statistics;
 }

@@ -2,8 +2,7 @@
 #include "engine/workers.h"
 
 #include "base/clock.h"
-
-#include <stdlib.h>
+#include "engine/internal.h"
 
 /* ---- under the lock ---- */
 
@@ -36,14 +35,13 @@ static job *choose(engine *e, int slot) {
 static bool checkpoint_due(engine *e, job *j) {
     const int64_t now = clock_ms(CLOCK_MONOTONIC);
     const int64_t next_block = shear_work_get_status(j->work).next_block;
-    pthread_mutex_lock(&e->lock);
+    LOCKED(&e->lock);
     const bool due =
         now - j->checkpoint_ms >= e->options.checkpoint_ms && next_block > j->checkpoint_block;
     if (due) {
         j->checkpoint_ms = now;
         j->checkpoint_block = next_block;
     }
-    pthread_mutex_unlock(&e->lock);
     return due;
 }
 
@@ -83,18 +81,16 @@ static void serve(engine *e, job *j, int slot) {
 }
 
 void *worker_main(void *argument) {
-    worker_start start = *(worker_start *)argument;
-    free(argument);
-    engine *e = start.e;
-    pthread_mutex_lock(&e->lock);
+    const worker *w = argument;
+    engine *e = w->engine;
+    LOCKED(&e->lock);
     while (!e->stopping) {
-        job *j = choose(e, start.slot);
+        job *j = choose(e, w->slot);
         if (j != NULL) {
-            serve(e, j, start.slot);
+            serve(e, j, w->slot);
         } else {
             pthread_cond_wait(&e->work_available, &e->lock);
         }
     }
-    pthread_mutex_unlock(&e->lock);
     return NULL;
 }

@@ -2,12 +2,5 @@
 /* engine/workers.h: the worker threads, which measure the stamps of all jobs. */
 #pragma once
 
-#include "engine/internal.h"
-
-typedef struct worker_start {
-    engine *e;
-    int slot;
-} worker_start;
-
-/* Run a worker until the engine stops. The argument is a worker_start, which is freed. */
-void *worker_main(void *start);
+/* Run a worker until the engine stops. The argument is a worker of the engine's. */
+void *worker_main(void *worker);

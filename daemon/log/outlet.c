@@ -2,10 +2,10 @@
 #include "log/outlet.h"
 
 #include "base/io.h"
+#include "base/thread.h"
 
 #include <assert.h>
 #include <pthread.h>
-#include <signal.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -42,15 +42,10 @@ static void *serve(void *nothing) {
     return nothing;
 }
 
-/* Start the writing thread, with all signals blocked: the other threads handle them. */
+/* Start the writing thread. */
 static bool start_thread(void) {
     pthread_t thread;
-    sigset_t all;
-    sigset_t before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const bool started = pthread_create(&thread, NULL, serve, NULL) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const bool started = thread_start(&thread, serve, NULL) == 0;
     if (started)
         pthread_detach(thread);
     return started;
