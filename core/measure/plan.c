@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Make a plan, or compute the memory that it takes before it is made. */
 #include "measure/internal.h"
 
 #include "base/cleanup.h"

@@ -64,8 +64,8 @@ static void read_plan(sheard_report_summary *s, const json_t *plan) {
     text_of(plan, "noise_band", s->noise_band, sizeof s->noise_band);
 }
 
-/* Read the range of a resolved setting, as PSFs and galaxies of a field's files may differ. There
- * is none if the first file has no such value. */
+/* Read the range of a resolved setting, as PSFs and galaxies of a field's files may differ. The
+ * range is NAN if the first file has no such value. */
 static void read_range(const json_t *files, const char *key, double *from, double *to) {
     *to = *from;
     for (size_t i = 0; isfinite(*from) && i < json_array_size(files); i++) {
