@@ -100,7 +100,7 @@ static int robust_range(shear_range *r, const column_values *c, shear_error *err
 /* Begin axes and draw the histogram of the column over `r`; the y axis extends to `head` times the
  * highest bar. */
 static void begin_histogram(shear_figure *f, shear_axes axes, const column_values *c, shear_range r,
-                            double head, enum shear_hue hue) {
+                            double head, int hue) {
     double counts[BINS];
     const int bins = bins_for(c->n);
     const size_t beyond = shear_histogram(counts, bins, r, c->values, c->n);
@@ -224,7 +224,7 @@ static void draw_flags(shear_figure *f, shear_rect cell, const shear_catalog_tab
     shear_axes_begin(f, &axes);
     for (int i = 0; i < b.n; i++) {
         char text[32];
-        const enum shear_hue hue = i == b.n - 1 ? SHEAR_BLUE : SHEAR_VERMILION;
+        const int hue = i == b.n - 1 ? SHEAR_BLUE : SHEAR_VERMILION;
         shear_axes_bar(f, true, i, 0.56, 0.0, (double)b.counts[i],
                        &(shear_style){.colour = shear_palette(hue), .fill = 0.7});
         snprintf(text, sizeof text, "%" PRId64, b.counts[i]);
