@@ -9,7 +9,8 @@
 
 #include <pthread.h>
 
-#define LOCK_HOLD(mutex) CLEANUP(lock_release) pthread_mutex_t *lock_held_ = lock_take(mutex)
+#define LOCK_HOLD(mutex)                                                                           \
+    CLEANUP(lock_release) __attribute__((unused)) pthread_mutex_t *lock_held_ = lock_take(mutex)
 
 static inline pthread_mutex_t *lock_take(pthread_mutex_t *mutex) {
     pthread_mutex_lock(mutex);

@@ -68,14 +68,6 @@ static int check_file(const char *path, void *context, shear_error *err) {
                : not_usable(e->catalog, "its table has another shape", err);
 }
 
-static int move_to_table(shear_catalog *c, shear_error *err) {
-    int status = 0;
-    char name[] = SF_CATALOG_HDU;
-    fits_movnam_hdu(c->out.fits, BINARY_TBL, name, 0, &status);
-    fits_clear_errmsg();
-    return status == 0 ? SHEAR_OK : not_usable(c, "it has no table", err);
-}
-
 typedef shear_catalog suspended;
 CLEANUP_DEFINE(suspended, shear_catalog_suspend)
 
@@ -85,8 +77,14 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
     *catalog = NULL;
     TRY(sf_catalog_new(&c, path, info, err));
     expected e = {c, checksum, rows};
+    char name[] = SF_CATALOG_HDU;
+    int status = 0;
     TRY(sf_output_reopen(&c->out, path, check_file, &e, err));
-    TRY(move_to_table(c, err));
+    fits_movnam_hdu(c->out.fits, BINARY_TBL, name, 0, &status);
+    if (status != 0) {
+        fits_clear_errmsg();
+        return not_usable(c, "it has no table", err);
+    }
     sf_bitset_add(&c->written, 0, rows);
     *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;

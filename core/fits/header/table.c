@@ -29,7 +29,7 @@ static int64_t width_of(char type) {
 }
 
 static char upper(char c) {
-    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
+    return (char)(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
 }
 
 /* Parse rT, where r is a count (1 if absent) and T a letter; P and Q are followed by another

@@ -58,6 +58,7 @@ int sf_table_doubles(const sf_table *t, const sf_column *column, int64_t first, 
  * their bits. */
 int sf_table_integers(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
                       int64_t undefined, int64_t *out, shear_error *err);
+
 /* Read `bytes` bytes of row `row`, from `offset` in the row. SHEAR_E_IO, SHEAR_E_FORMAT. */
 int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,
                    shear_error *err);

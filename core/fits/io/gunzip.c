@@ -130,32 +130,30 @@ static int unpack_member(unpacking *u, shear_error *err) {
     }
 }
 
-/* After a member: return 1 if another one follows, 0 at the end (zero padding is allowed), a
- * negative code on error. */
-static int more_members(unpacking *u, shear_error *err) {
+/* After a member: *more is whether another one follows; zero padding is the end. */
+static int look_for_member(unpacking *u, bool *more, shear_error *err) {
     const int64_t next = u->position - u->z.avail_in;
     unsigned char head[2] = {0, 0};
     const ssize_t n = io_read_at(u->in, head, sizeof head, next);
     if (n < 0)
-        return -sf_fail_errno(err, u->at, errno, "cannot read");
-    if (n == 0 || head[0] == 0)
-        return 0;
-    if (!sf_is_gzip(head, n)) {
-        return -sf_fail(err, SHEAR_E_FORMAT, u->at, "copy the file again",
-                        "the gzip data are damaged: byte %lld begins something that is not gzip",
-                        (long long)next);
+        return sf_fail_errno(err, u->at, errno, "cannot read");
+    *more = n > 0 && head[0] != 0;
+    if (*more && !sf_is_gzip(head, n)) {
+        return sf_fail(err, SHEAR_E_FORMAT, u->at, "copy the file again",
+                       "the gzip data are damaged: byte %lld begins something that is not gzip",
+                       (long long)next);
     }
     inflateReset(&u->z);
-    return 1;
+    return SHEAR_OK;
 }
 
 static int unpack(unpacking *u, shear_error *err) {
-    int more = 1;
-    while (more > 0) {
+    bool more = true;
+    while (more) {
         TRY(unpack_member(u, err));
-        more = more_members(u, err);
+        TRY(look_for_member(u, &more, err));
     }
-    return more < 0 ? -more : flush(u, err);
+    return flush(u, err);
 }
 
 static void unpacking_deinit(unpacking *u) {
