@@ -7,7 +7,7 @@
 #include "shear/work.h"
 
 #include "base/cleanup.h"
-#include "base/lock.h"
+#include "base/thread.h"
 #include "common/release.h"
 #include "run/reorder_buffer.h"
 
@@ -135,7 +135,7 @@ void shear_worker_free(shear_worker *worker) {
 }
 
 static bool claim_unit(shear_work *work, work_unit *u) {
-    LOCK_HOLD(&work->units);
+    LOCKED(&work->units);
     const int64_t left = work->stopped ? 0 : work->n_blocks - work->next_block;
     if (left <= 0)
         return false;
@@ -150,7 +150,7 @@ static bool claim_unit(shear_work *work, work_unit *u) {
 }
 
 static void release_unit(shear_work *work, bool stop) {
-    LOCK_HOLD(&work->units);
+    LOCKED(&work->units);
     assert(work->under_way > 0);
     work->under_way--;
     work->stopped = work->stopped || stop;
@@ -161,7 +161,7 @@ static int read_stamps(shear_work *work, const shear_worker *worker, int64_t fir
     const shear_source *source = &work->spec.source;
     if (source->concurrent)
         return source->read(source->self, worker->slot, first, count, block, err);
-    LOCK_HOLD(&work->reader);
+    LOCKED(&work->reader);
     return source->read(source->self, worker->slot, first, count, block, err);
 }
 
@@ -170,7 +170,7 @@ static int write_rows(shear_work *work, const shear_worker *worker, const shear_
     const shear_sink *sink = &work->spec.sink;
     if (sink->write == NULL)
         return SHEAR_OK;
-    LOCK_HOLD(&work->sink);
+    LOCKED(&work->sink);
     return sink->write(sink->self, first, count, worker->rows, block, err);
 }
 
@@ -227,14 +227,14 @@ static int hand_over(shear_work *work, const shear_worker *worker, const work_un
     assert(u->first < u->end && u->n <= worker->size.blocks);
     const block_result r = {
         .block = u->block, .n = u->n, .sums = worker->sums, .terms = worker->terms};
-    LOCK_HOLD(&work->results);
+    LOCKED(&work->results);
     work->done += u->end - u->first;
     return reorder_buffer_add(&work->summed, &r, err);
 }
 
 static void record_failure(shear_work *work, const work_unit *u, int code,
                            const shear_error *error) {
-    LOCK_HOLD(&work->results);
+    LOCKED(&work->results);
     if (work->code == SHEAR_OK || u->block < work->failed_at) {
         work->code = code;
         work->failed_at = u->block;
@@ -261,7 +261,7 @@ bool shear_work_step(shear_work *work, shear_worker *worker) {
 }
 
 void shear_work_stop(shear_work *work) {
-    LOCK_HOLD(&work->units);
+    LOCKED(&work->units);
     work->stopped = true;
 }
 
@@ -287,14 +287,14 @@ shear_work_status shear_work_get_status(shear_work *work) {
 }
 
 int shear_work_get_error(shear_work *work, shear_error *err) {
-    LOCK_HOLD(&work->results);
+    LOCKED(&work->results);
     if (err != NULL)
         *err = work->error;
     return work->code;
 }
 
 int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
-    LOCK_HOLD(&work->results);
+    LOCKED(&work->results);
     shear_field_sums_join(sums, work->summed.sums);
     return work->summed.next_block;
 }
@@ -302,7 +302,7 @@ int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
 int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
                           shear_symmetry *terms, int64_t *next_block, shear_error *err) {
     const reorder_buffer *summed = &work->summed;
-    LOCK_HOLD(&work->results);
+    LOCKED(&work->results);
     if (summed->terms != NULL)
         TRY(shear_symmetry_join(terms, summed->terms, from, err));
     shear_field_sums_join(sums, summed->sums);
@@ -316,6 +316,6 @@ int shear_work_sync(shear_work *work, int64_t next_block, shear_error *err) {
     const int64_t all = work->spec.info->n_stamps;
     if (sink->sync == NULL)
         return SHEAR_OK;
-    LOCK_HOLD(&work->sink);
+    LOCKED(&work->sink);
     return sink->sync(sink->self, rows < all ? rows : all, err);
 }

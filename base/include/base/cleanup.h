@@ -21,7 +21,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define CLEANUP(release) __attribute__((cleanup(release)))
+/* (`unused`: clang would warn of a variable that is only there to be released.) */
+#define CLEANUP(release) __attribute__((cleanup(release), unused))
 
 /* Define TYPE_release(TYPE **), for CLEANUP(TYPE_release) TYPE *p, from a free function that
  * accepts NULL:

@@ -3,7 +3,7 @@
 
 #include "base/cleanup.h"
 #include "base/io.h"
-#include "base/lock.h"
+#include "base/thread.h"
 #include "fits/header/card.h"
 
 #include <assert.h>
@@ -88,7 +88,7 @@ static int registered = -1; /* CFITSIO's status of the registration */
 
 /* Return a free slot, which is the view's then, or -1. */
 static int claim(const sf_view *v) {
-    LOCK_HOLD(&lock);
+    LOCKED(&lock);
     for (int i = 0; i < MAX_VIEWS; i++) {
         if (slots[i].view == NULL) {
             slots[i].view = v;
@@ -101,7 +101,7 @@ static int claim(const sf_view *v) {
 
 static void release_slot(sf_view *v) {
     if (v->slot > 0) {
-        LOCK_HOLD(&lock);
+        LOCKED(&lock);
         slots[v->slot - 1].view = NULL;
         v->slot = 0;
     }
