@@ -13,7 +13,7 @@ TREE = house.Tree()
 SOURCES = TREE.sources()
 TESTS = TREE.files(".c", ".h", folders=("tests",))
 DOCUMENTS = [p for p in ("README.md", "CONTRIBUTING.md", "SECURITY.md") if (TREE.root / p).is_file()] + TREE.files(
-    ".md", ".in", folders=("docs", "man", "validation"))
+    ".md", ".in", folders=("docs", "man", "validation")) + TREE.files(".txt", folders=("client",))  # help of subcommands
 PYTHON = [p for p in TREE.files(".py", "", folders=house.PRODUCT + ("tests", "scripts"))
           if p.endswith(".py") or "python" in TREE.read(p).split("\n")[0]]
 # Headers that are not this project's.
