@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cmdline/input_path.h"
 
+#include "base/cleanup.h"
 #include "sheard/messages.h"
 
 #include <errno.h>
@@ -29,17 +30,15 @@ int input_path_absolute(const char *name, char **path, shear_error *err) {
     const char *last = slash != NULL ? slash + 1 : name;
     if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0)
         return shear_fail(err, SHEAR_E_IO, NULL, "%s is not the name of a file", name);
+    CLEANUP(release_free)
     char *parent = slash != NULL ? strndup(name, (size_t)(slash - name)) : strdup(".");
     if (parent == NULL)
         return no_memory(err);
-    char *real = realpath(parent, NULL);
-    const int code =
-        real != NULL ? join(real, last, path, err)
-                     : shear_fail(err, SHEAR_E_IO, "check the path",
-                                  "%s: its directory cannot be found: %s", name, strerror(errno));
-    free(real);
-    free(parent);
-    return code;
+    CLEANUP(release_free) char *real = realpath(parent, NULL);
+    return real != NULL
+               ? join(real, last, path, err)
+               : shear_fail(err, SHEAR_E_IO, "check the path",
+                            "%s: its directory cannot be found: %s", name, strerror(errno));
 }
 
 /* Parse the HDU: digits only are a number, anything else is a name. */

@@ -20,13 +20,13 @@ static const char *or_dash(const char *text) {
     return text != NULL && *text != '\0' ? text : "-";
 }
 
-static void image_text(const sheard_msg_image *image, char *buf, size_t size) {
+static void image_text(const shear_input_part *image, char *buf, size_t size) {
     if (image->extname != NULL) {
-        snprintf(buf, size, "%s:%s", or_dash(image->path), image->extname);
+        snprintf(buf, size, "%s:%s", image->path, image->extname);
     } else if (image->hdu >= 0) {
-        snprintf(buf, size, "%s:%" PRId64, or_dash(image->path), image->hdu);
+        snprintf(buf, size, "%s:%" PRId64, image->path, image->hdu);
     } else {
-        snprintf(buf, size, "%s", or_dash(image->path));
+        snprintf(buf, size, "%s", image->path);
     }
 }
 
@@ -56,7 +56,8 @@ char *job_source_text(const sheard_msg_job *job, char *buf, size_t size) {
     if (is_dropped(job)) {
         snprintf(buf, size, "%s (%s)", job->dropped_name, where_now(job, galaxy, sizeof galaxy));
     } else if (source->galaxy.path != NULL) {
-        image_text(&source->galaxy, galaxy, sizeof galaxy);
+        const shear_input input = sheard_source_input(source);
+        image_text(&input.parts[SHEAR_PART_GALAXY], galaxy, sizeof galaxy);
         snprintf(buf, size, "%s + noise, psf", galaxy);
     } else {
         snprintf(buf, size, "%s", or_dash(source->path));
@@ -182,23 +183,18 @@ static void print_text(FILE *out, const char *name, const char *text) {
 }
 
 static void print_source(const sheard_msg_job *job, FILE *out) {
-    const sheard_msg_source *s = &job->source;
-    const struct {
-        const char *name;
-        const sheard_msg_image *image;
-    } images[] = {
-        {"galaxy", &s->galaxy}, {"noise", &s->noise}, {"psf", &s->psf}, {"catalog", &s->catalog}};
+    const shear_input input = sheard_source_input(&job->source);
     if (job->dropped_name != NULL) {
         text_line(out, "dropped", "%s", job->dropped_name);
         text_line(out, "now at", "%s",
                   job->file_now != NULL ? job->file_now : "- (it was taken away)");
     }
-    print_text(out, "file", is_dropped(job) ? NULL : s->path);
-    for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
-        if (images[i].image->path != NULL) {
+    print_text(out, "file", is_dropped(job) ? NULL : job->source.path);
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        if (input.parts[i].path != NULL) {
             char text[4200];
-            image_text(images[i].image, text, sizeof text);
-            text_line(out, images[i].name, "%s", text);
+            image_text(&input.parts[i], text, sizeof text);
+            text_line(out, shear_part_name(i), "%s", text);
         }
     }
 }

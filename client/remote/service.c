@@ -131,25 +131,6 @@ enum exit_code service_answer(service *s, int method, const sheard_params *param
     return EXIT_CODE_DONE;
 }
 
-void service_outcomes_add(service_outcomes *o, enum exit_code code) {
-    o->n++;
-    o->last = code;
-    if (code != EXIT_CODE_DONE && o->n_failed++ == 0)
-        o->first = code;
-}
-
-bool service_outcomes_go_on(const service_outcomes *o) {
-    return o->last != EXIT_CODE_UNREACHABLE;
-}
-
-enum exit_code service_outcomes_code(const service_outcomes *o) {
-    if (o->n_failed == 0)
-        return EXIT_CODE_DONE;
-    if (!service_outcomes_go_on(o))
-        return EXIT_CODE_UNREACHABLE;
-    return o->n_failed < o->n ? EXIT_CODE_PARTLY : o->first;
-}
-
 enum exit_code service_job_id(const char *text, int64_t *id) {
     if (text[0] < '0' || text[0] > '9' || !text_to_int64(text, id) || *id < 1) {
         return message_fail(EXIT_CODE_USAGE, "\"shearctl jobs\" lists the jobs and their numbers",

@@ -53,16 +53,5 @@ enum exit_code service_answer(service *s, int method, const sheard_params *param
 /* Print the error unless the status is CONNECTION_OK. Returns its exit code. */
 enum exit_code service_say(enum connection_status status, const sheard_rpc_error *error);
 
-/* The exit code of a subcommand with several operands, all of which are tried: EXIT_CODE_PARTLY if
- * only some succeed, otherwise that of the first failure. Initialize with {0}. */
-typedef struct service_outcomes {
-    int n, n_failed;
-    enum exit_code first, last; /* of the first failure; of the last operand */
-} service_outcomes;
-void service_outcomes_add(service_outcomes *o, enum exit_code code);
-/* Return whether to continue with the next operand: false if the service is gone. */
-bool service_outcomes_go_on(const service_outcomes *o);
-enum exit_code service_outcomes_code(const service_outcomes *o);
-
 /* Parse a job's number. Returns an exit code; on failure an error has been printed. */
 enum exit_code service_job_id(const char *text, int64_t *id);

@@ -23,6 +23,21 @@ static enum exit_code ask_job(service *s, const char *name, const service_query 
     return service_ask(s, q->method, &p, q->print);
 }
 
+/* Send a request for each job, until the service is gone. Returns EXIT_CODE_PARTLY if only some
+ * succeed, otherwise the code of the first failure. */
+static enum exit_code ask_jobs(service *s, char **names, int n, const service_query *q) {
+    enum exit_code first = EXIT_CODE_DONE;
+    int n_failed = 0;
+    for (int i = 0; i < n; i++) {
+        const enum exit_code code = ask_job(s, names[i], q);
+        if (code == EXIT_CODE_UNREACHABLE)
+            return code;
+        first = n_failed == 0 ? code : first;
+        n_failed += code != EXIT_CODE_DONE;
+    }
+    return n_failed > 0 && n_failed < n ? EXIT_CODE_PARTLY : first;
+}
+
 enum exit_code service_query_run(const command *self, int argc, char **argv) {
     CLEANUP(service_close) service s = {0};
     const service_query *q = self->data;
@@ -32,8 +47,5 @@ enum exit_code service_query_run(const command *self, int argc, char **argv) {
         return service_ask(&s, q->method, NULL, q->print);
     }
     TRY(service_start(self, argc, argv, options, &s, q->jobs, 1, INT_MAX));
-    service_outcomes outcomes = {0};
-    for (int i = optind; i < argc && service_outcomes_go_on(&outcomes); i++)
-        service_outcomes_add(&outcomes, ask_job(&s, argv[i], q));
-    return service_outcomes_code(&outcomes);
+    return ask_jobs(&s, argv + optind, argc - optind, q);
 }
