@@ -6,7 +6,6 @@
 #include "terminal/message.h"
 
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TEXT_MAX = 256 };

@@ -8,7 +8,6 @@
 #include "terminal/message.h"
 
 #include <getopt.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 

@@ -9,8 +9,6 @@
 #include "terminal/screen.h"
 #include "terminal/style.h"
 
-#include <stdlib.h>
-
 enum { DEFAULT_JOBS = 8, MAX_JOBS = 50 };
 
 typedef struct watch_options {

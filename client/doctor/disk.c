@@ -8,7 +8,6 @@
 #include "terminal/human.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <linux/magic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -148,7 +147,7 @@ void doctor_check_clock(doctor *d) {
     const double off = (double)(clock_ms(CLOCK_REALTIME) - theirs_ms) / 1000.0;
     const bool good = off < clock_tolerance_s && off > -clock_tolerance_s;
     doctor_report(d, "clock", good ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
-                  good ? NULL : "synchronise the clocks (NTP), or make settle_time longer",
+                  "synchronise the clocks (NTP), or make settle_time longer",
                   "the spool's file system is %.1f s %s this machine's clock", off < 0 ? -off : off,
                   off < 0 ? "before" : "behind");
 }

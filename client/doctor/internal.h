@@ -4,7 +4,8 @@
 
 #include "doctor/doctor.h"
 
-/* Report one result: a line with its remedy on the next line, or JSON. `remedy` may be NULL. */
+/* Report one result: a line with its remedy, unless it is OK, on the next line, or JSON. `remedy`
+ * may be NULL. */
 void doctor_report(doctor *d, const char *subject, enum sheard_check_level level,
                    const char *remedy, const char *format, ...)
     __attribute__((format(printf, 5, 6)));

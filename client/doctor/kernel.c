@@ -17,7 +17,7 @@ static void check_seccomp(doctor *d) {
     const ssize_t n = fd < 0 ? -1 : read(fd, actions, sizeof actions - 1);
     const bool good = n > 0 && strstr(actions, "kill_process") != NULL;
     doctor_report(d, "seccomp", good ? SHEARD_CHECK_OK : SHEARD_CHECK_FAIL,
-                  good ? NULL : "use a kernel with CONFIG_SECCOMP_FILTER",
+                  "use a kernel with CONFIG_SECCOMP_FILTER",
                   good ? "system calls of readers can be filtered"
                        : "system calls of readers cannot be filtered: files will not be read");
 }

@@ -37,7 +37,8 @@ void doctor_report(doctor *d, const char *subject, enum sheard_check_level level
     va_start(args, format);
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
-    const sheard_check_result result = {subject, level, message, remedy != NULL ? remedy : ""};
+    const bool wrong = level != SHEARD_CHECK_OK && remedy != NULL;
+    const sheard_check_result result = {subject, level, message, wrong ? remedy : ""};
     d->worst = level > d->worst ? level : d->worst;
     if (d->service.json) {
         print_json(&result);

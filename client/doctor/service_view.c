@@ -85,9 +85,7 @@ static void tell_probe(doctor *d, const sheard_msg_probed *p) {
               "the service measures: g1 %+.5f (true %+.5f), g2 %+.5f (true %+.5f), %.2f s", p->g1,
               p->true_g1, p->g2, p->true_g2, p->seconds);
     doctor_report(d, "sandbox", p->landlock ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
-                  p->landlock ? NULL
-                              : "boot with landlock among the security modules (lsm=landlock,...)",
-                  "%s%s",
+                  "boot with landlock among the security modules (lsm=landlock,...)", "%s%s",
                   p->landlock ? "the service's readers have system calls filtered and the file "
                                 "system closed (seccomp, Landlock)"
                               : "no Landlock: only seccomp guards the service's readers",

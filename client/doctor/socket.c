@@ -65,7 +65,7 @@ static void check_release(doctor *d) {
     const size_t v = strlen(SHEAR_VERSION_STRING);
     const bool same = n >= v && strcmp(server + n - v, SHEAR_VERSION_STRING) == 0;
     doctor_report(d, "release", same ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
-                  same ? NULL : "install one release, and restart the service",
+                  "install one release, and restart the service",
                   "the service is %s, shearctl %s; they speak version %" PRId64 " of the protocol",
                   server, SHEAR_VERSION_STRING, w->protocol);
     doctor_ok(d, "rights", "you are user %" PRId64 "%s", w->uid,

@@ -10,7 +10,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <string.h>
 
 static void print_component(const char *name, double g, double error, double truth, double pull,
                             bool own, FILE *out) {

@@ -6,8 +6,6 @@
 #include "terminal/human.h"
 #include "terminal/message.h"
 
-#include <stdlib.h>
-
 static const double default_reply_timeout_s = 30.0;
 
 enum exit_code service_set_reply_timeout(const option_entry *entry, const char *value) {

@@ -6,7 +6,6 @@
 #include "terminal/message.h"
 #include "terminal/style.h"
 
-#include <inttypes.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>

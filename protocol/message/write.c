@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Write messages as JSON. */
-#include "base/text.h"
 #include "message/reader.h"
 #include "json/text.h"
 #include "json/tree.h"
