@@ -4,6 +4,7 @@
 #include "base/cleanup.h"
 #include "base/spelling.h"
 #include "base/text.h"
+#include "cmdline/settings_options.h"
 #include "terminal/human.h"
 #include "terminal/message.h"
 
@@ -13,11 +14,12 @@
 #include <stdarg.h>
 #include <string.h>
 
-enum { ENTRIES_MAX = 64, FIRST_VALUE = 256 }; /* value of the first option without a short form */
+enum { OWN_MAX = 64, ENTRIES_MAX = OWN_MAX + SETTINGS_OPTIONS_MAX };
+enum { FIRST_VALUE = 256 }; /* value of the first option without a short form */
 
 /* The arguments of getopt_long, built from the entries. */
 typedef struct long_options {
-    struct option table[ENTRIES_MAX + SETTINGS_OPTIONS_MAX + 1];
+    struct option table[ENTRIES_MAX + 1];
     char letters[ENTRIES_MAX]; /* ":o:": the ':' in front makes it silent */
 } long_options;
 
@@ -25,11 +27,9 @@ static int value_of(const option_entry *entries, size_t i) {
     return entries[i].letter != '\0' ? entries[i].letter : FIRST_VALUE + (int)i;
 }
 
-static void long_options_init(long_options *l, const option_entry *entries, bool with_settings) {
-    size_t n = 0;
+static void long_options_init(long_options *l, const option_entry *entries) {
     *l = (long_options){.letters = ":"};
-    for (; entries[n].name != NULL; n++) {
-        assert(n < ENTRIES_MAX);
+    for (size_t n = 0; entries[n].name != NULL; n++) {
         const option_entry *e = &entries[n];
         const bool bare = e->flag != NULL || e->bare;
         l->table[n] = (struct option){e->name, bare ? no_argument : required_argument, NULL,
@@ -37,8 +37,6 @@ static void long_options_init(long_options *l, const option_entry *entries, bool
         if (e->letter != '\0')
             text_append(l->letters, sizeof l->letters, "%c%s", e->letter, bare ? "" : ":");
     }
-    if (with_settings)
-        settings_options_fill(l->table + n, SETTINGS_OPTIONS_MAX + 1);
 }
 
 /* Count the options that begin with the given text: getopt_long accepts any unambiguous prefix. */
@@ -141,37 +139,32 @@ static enum exit_code set_entry(const option_entry *e, const char *value) {
     return EXIT_CODE_DONE;
 }
 
-static enum exit_code set_setting(int value, option_settings *settings) {
-    shear_error err = {0};
-    if (settings_options_handle(value, optarg, &settings->values, settings->given, &err) !=
-        SHEAR_OK) {
-        return message_error(&err);
-    }
-    return EXIT_CODE_DONE;
-}
-
-static enum exit_code set(int value, const option_entry *entries, option_settings *settings) {
-    if (settings_options_is(value))
-        return set_setting(value, settings);
+static enum exit_code set(int value, const option_entry *entries) {
     size_t i = 0;
     while (value_of(entries, i) != value)
         i++;
     return set_entry(&entries[i], optarg);
 }
 
-enum exit_code options_parse(const command *self, int argc, char **argv,
-                             const option_entry *entries, option_settings *settings) {
+enum exit_code options_parse(const command *self, int argc, char **argv, const option_entry *own,
+                             option_settings *settings) {
     long_options l;
-    long_options_init(&l, entries, settings != NULL);
+    option_entry entries[ENTRIES_MAX + 1] = {0};
+    size_t n = 0;
+    for (; own[n].name != NULL; n++) {
+        assert(n < OWN_MAX);
+        entries[n] = own[n];
+    }
     if (settings != NULL)
-        shear_settings_init(&settings->values);
+        settings_options_add(entries + n, settings);
+    long_options_init(&l, entries);
     opterr = 0;
     for (;;) {
         const int value = getopt_long(argc, argv, l.letters, l.table, NULL);
         if (value == -1)
             return EXIT_CODE_DONE;
         TRY(value == '?' || value == ':' ? fail_option(self, value, argv, l.table)
-                                         : set(value, entries, settings));
+                                         : set(value, entries));
     }
 }
 

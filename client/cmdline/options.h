@@ -4,7 +4,7 @@
 #pragma once
 
 #include "cmdline/command.h"
-#include "cmdline/settings_options.h"
+#include "shear/settings.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -27,6 +27,8 @@ struct option_entry {
     bool bare;     /* `set` gets no value */
     bool *given;   /* also set to true; may be NULL */
 };
+
+enum { SETTINGS_OPTIONS_MAX = 64 }; /* upper limit of the number of options of all settings */
 
 /* The settings of the measurement, as options of a subcommand; the defaults unless given. */
 typedef struct option_settings {

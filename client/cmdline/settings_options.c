@@ -2,55 +2,53 @@
 #include "cmdline/settings_options.h"
 
 #include "base/text.h"
+#include "terminal/message.h"
 
+#include <assert.h>
 #include <string.h>
 
-/* Each setting has two values: FIRST + 2 i is --NAME, FIRST + 2 i + 1 is --no-NAME. */
-static size_t index_of(int value) {
-    return (size_t)(value - SETTINGS_OPTION_FIRST) / 2;
-}
-
-/* Return the name "no-..." of a boolean setting; struct option only points to it. */
+/* Return the name "no-..." of a boolean setting; an option only points to it. */
 static const char *negated_name(size_t index, const char *name) {
     static char names[SETTINGS_OPTIONS_MAX][40];
     snprintf(names[index], sizeof names[index], "no-%s", name);
     return names[index];
 }
 
-size_t settings_options_fill(struct option *options, size_t capacity) {
+static enum exit_code give(const option_entry *e, const char *name, const char *value) {
+    option_settings *s = e->context;
+    shear_error err = {0};
+    return shear_settings_give(&s->values, s->given, name, value, &err) != SHEAR_OK
+               ? message_error(&err)
+               : EXIT_CODE_DONE;
+}
+
+static enum exit_code set_value(const option_entry *e, const char *value) {
+    return give(e, e->name, e->bare ? "true" : value);
+}
+
+static enum exit_code set_false(const option_entry *e, const char *value) {
+    (void)value;
+    return give(e, e->name + strlen("no-"), "false");
+}
+
+size_t settings_options_add(option_entry *entries, option_settings *s) {
     size_t n = 0;
-    size_t written = 0;
+    size_t added = 0;
     const shear_setting_def *table = shear_settings_table(&n);
-    for (size_t i = 0; i < n && i < SETTINGS_OPTIONS_MAX && written + 2 < capacity; i++) {
-        bool is_bool = table[i].type == SHEAR_T_BOOL;
-        int value = SETTINGS_OPTION_FIRST + 2 * (int)i;
-        options[written++] =
-            (struct option){table[i].name, is_bool ? no_argument : required_argument, NULL, value};
+    shear_settings_init(&s->values);
+    for (size_t i = 0; i < n; i++) {
+        const bool is_bool = table[i].type == SHEAR_T_BOOL;
+        assert(added + 2 <= SETTINGS_OPTIONS_MAX);
+        entries[added++] =
+            (option_entry){.name = table[i].name, .set = set_value, .context = s, .bare = is_bool};
         if (is_bool) {
-            options[written++] =
-                (struct option){negated_name(i, table[i].name), no_argument, NULL, value + 1};
+            entries[added++] = (option_entry){.name = negated_name(i, table[i].name),
+                                              .set = set_false,
+                                              .context = s,
+                                              .bare = true};
         }
     }
-    if (written < capacity)
-        options[written] = (struct option){NULL, 0, NULL, 0};
-    return written;
-}
-
-bool settings_options_is(int value) {
-    size_t n = 0;
-    shear_settings_table(&n);
-    return value >= SETTINGS_OPTION_FIRST && index_of(value) < n;
-}
-
-int settings_options_handle(int value, const char *argument, shear_settings *s, bool *given,
-                            shear_error *err) {
-    size_t n = 0;
-    const shear_setting_def *def = &shear_settings_table(&n)[index_of(value)];
-    if (def->type == SHEAR_T_BOOL) {
-        bool negated = (value - SETTINGS_OPTION_FIRST) % 2 == 1;
-        return shear_settings_give(s, given, def->name, negated ? "false" : "true", err);
-    }
-    return shear_settings_give(s, given, def->name, argument, err);
+    return added;
 }
 
 /* The text on a setting in the help and the manual. */

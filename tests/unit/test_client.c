@@ -158,59 +158,42 @@ static const char *other_value(const shear_setting_def *def, char *buf, size_t s
 
 static void every_setting_is_an_option(void **state) {
     (void)state;
-    struct option options[SETTINGS_OPTIONS_MAX + 1];
-    size_t n = settings_options_fill(options, SETTINGS_OPTIONS_MAX + 1);
+    option_entry options[SETTINGS_OPTIONS_MAX] = {0};
+    option_settings s = {.given = {false}};
+    size_t n = settings_options_add(options, &s);
     size_t n_settings = 0;
     const shear_setting_def *table = shear_settings_table(&n_settings);
     size_t at = 0;
     for (size_t i = 0; i < n_settings; i++) {
-        shear_settings s;
         char value[64];
         char got[64];
         bool is_bool = table[i].type == SHEAR_T_BOOL;
-        bool given[SETTINGS_OPTIONS_MAX] = {false};
-        shear_settings_init(&s);
+        shear_settings_init(&s.values);
+        memset(s.given, 0, sizeof s.given);
         assert_string_equal(options[at].name, table[i].name);
-        assert_int_equal(options[at].has_arg, is_bool ? no_argument : required_argument);
-        assert_true(settings_options_is(options[at].val));
+        assert_int_equal(options[at].bare, is_bool);
         if (is_bool) {
             char no[64];
             snprintf(no, sizeof no, "no-%s", table[i].name);
             assert_string_equal(options[at + 1].name, no);
-            assert_int_equal(settings_options_handle(options[at + 1].val, NULL, &s, given, NULL),
-                             SHEAR_OK);
-            assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), "false");
-            assert_int_equal(settings_options_handle(options[at].val, NULL, &s, given, NULL),
-                             SHEAR_OK);
-            assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), "true");
+            assert_int_equal(options[at + 1].set(&options[at + 1], NULL), EXIT_CODE_DONE);
+            assert_string_equal(shear_settings_format(&s.values, &table[i], got, sizeof got),
+                                "false");
+            assert_int_equal(options[at].set(&options[at], NULL), EXIT_CODE_DONE);
+            assert_string_equal(shear_settings_format(&s.values, &table[i], got, sizeof got),
+                                "true");
         } else {
             other_value(&table[i], value, sizeof value);
-            assert_int_equal(settings_options_handle(options[at].val, value, &s, given, NULL),
-                             SHEAR_OK);
-            assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), value);
+            assert_int_equal(options[at].set(&options[at], value), EXIT_CODE_DONE);
+            assert_string_equal(shear_settings_format(&s.values, &table[i], got, sizeof got),
+                                value);
         }
+        assert_true(s.given[i]);
         at += is_bool ? 2 : 1;
     }
     assert_int_equal(at, n);
+    assert_true(n < SETTINGS_OPTIONS_MAX);
     assert_null(options[n].name);
-}
-
-static void other_values_are_no_settings(void **state) {
-    (void)state;
-    assert_false(settings_options_is('?'));
-    assert_false(settings_options_is(':'));
-    assert_false(settings_options_is(SETTINGS_OPTION_FIRST - 1));
-    assert_false(settings_options_is(SETTINGS_OPTION_FIRST + 2 * SETTINGS_OPTIONS_MAX));
-}
-
-static void little_room_is_not_overrun(void **state) {
-    (void)state;
-    struct option options[6];
-    memset(options, 0x55, sizeof options);
-    size_t n = settings_options_fill(options, 5);
-    assert_true(n < 5);
-    assert_null(options[n].name);
-    assert_int_equal(options[5].val, 0x55555555);
 }
 
 /* Every line of the help fits a terminal, and has name, default and help of every setting. */
@@ -242,8 +225,6 @@ int main(void) {
         cmocka_unit_test(rough_border_warns),
         cmocka_unit_test(psf_warns),
         cmocka_unit_test(every_setting_is_an_option),
-        cmocka_unit_test(other_values_are_no_settings),
-        cmocka_unit_test(little_room_is_not_overrun),
         cmocka_unit_test(help_has_everything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
