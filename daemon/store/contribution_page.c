@@ -39,37 +39,30 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     return code;
 }
 
-/* A true shear, NaN if not known. */
-typedef struct true_shear {
-    double g1, g2;
-} true_shear;
-static const row_type true_shear_type =
-    ROW_TYPE(true_shear, ROW_MEMBER(true_shear, g1), ROW_MEMBER(true_shear, g2));
-
-/* Read the least or greatest true shear of a field's contributions. *known is false if there is
- * none or if one contribution has none. */
-static int end_of_truths(store *s, enum sql which, int64_t field, true_shear *g, bool *known,
-                         shear_error *err) {
-    bool found = false;
-    TRY(row_get(QUERY(s, which, query_int(field)), &true_shear_type, g, &found, err));
-    *known = found && !isnan(g->g1) && !isnan(g->g2);
+/* Read the least or greatest true shear of a field's contributions; NaN: there is none, or one
+ * contribution has none. */
+static int end_of_truths(store *s, enum sql which, int64_t field, double g[2], shear_error *err) {
+    bool row = false;
+    CLEANUP(query_end) query q = QUERY(s, which, query_int(field));
+    TRY(query_step(&q, &row, err));
+    g[0] = row ? query_get_real(&q) : NAN;
+    g[1] = row ? query_get_real(&q) : NAN;
     return SHEAR_OK;
 }
 
 int store_field_truth(store *s, const char *name, const char *settings_digest, store_truth *truth,
                       shear_error *err) {
     int64_t field = 0;
-    true_shear least;
-    true_shear greatest;
-    bool known = false;
+    double least[2];
+    double greatest[2];
     *truth = (store_truth){0};
     TRY(field_row_find(s, name, settings_digest, &field, err));
-    TRY(end_of_truths(s, SQL_FIELD_LEAST_TRUTH, field, &least, &known, err));
-    if (!known)
+    TRY(end_of_truths(s, SQL_FIELD_LEAST_TRUTH, field, least, err));
+    if (isnan(least[0]) || isnan(least[1]))
         return SHEAR_OK;
-    TRY(end_of_truths(s, SQL_FIELD_GREATEST_TRUTH, field, &greatest, &known, err));
-    if (known && least.g1 == greatest.g1 && least.g2 == greatest.g2)
-        *truth = (store_truth){true, least.g1, least.g2};
+    TRY(end_of_truths(s, SQL_FIELD_GREATEST_TRUTH, field, greatest, err));
+    if (least[0] == greatest[0] && least[1] == greatest[1])
+        *truth = (store_truth){true, least[0], least[1]};
     return SHEAR_OK;
 }
 
