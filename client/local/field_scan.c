@@ -168,19 +168,6 @@ static int block_capacity(const shear_field_info *info) {
     return fit < 1 ? 1 : fit > MAX_BLOCK ? MAX_BLOCK : (int)fit;
 }
 
-static int scan_all(scan_state *s, shear_field *field, progress *bar, shear_error *err) {
-    const int64_t total = shear_field_get_info(field)->n_stamps;
-    for (int64_t first = 0; first < total; first += s->block->capacity) {
-        const int64_t left = total - first;
-        const int count = left < s->block->capacity ? (int)left : s->block->capacity;
-        TRY(shear_field_read(field, first, count, s->block, err));
-        TRY(scan_block(s, err));
-        if (progress_callback(bar, first + count, total) != 0)
-            return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
-    }
-    return SHEAR_OK;
-}
-
 static int scan_init(scan_state *s, const shear_field_info *info, shear_error *err) {
     shear_block_sums_init(&s->under_way);
     TRY(shear_field_sums_new(&s->sums, err));
@@ -191,8 +178,17 @@ static int scan_init(scan_state *s, const shear_field_info *info, shear_error *e
 }
 
 static int scan(scan_state *s, shear_field *field, progress *bar, shear_error *err) {
+    const int64_t total = shear_field_get_info(field)->n_stamps;
     TRY(scan_init(s, shear_field_get_info(field), err));
-    return scan_all(s, field, bar, err);
+    for (int64_t first = 0; first < total; first += s->block->capacity) {
+        const int64_t left = total - first;
+        const int count = left < s->block->capacity ? (int)left : s->block->capacity;
+        TRY(shear_field_read(field, first, count, s->block, err));
+        TRY(scan_block(s, err));
+        if (progress_callback(bar, first + count, total) != 0)
+            return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
+    }
+    return SHEAR_OK;
 }
 
 static void scan_deinit(scan_state *s) {

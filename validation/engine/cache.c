@@ -10,7 +10,6 @@
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -23,8 +22,7 @@ static const char head[] = "shear-paper state 1\n";
 /* One line of the state file: NAME CHUNK COUNT SECONDS VALUE... end */
 typedef struct record {
     char name[MAX_NAME];
-    int chunk, n;
-    double seconds;
+    double chunk, n, seconds;
     double *values; /* [n], owned */
 } record;
 
@@ -50,13 +48,6 @@ static bool parse_double(const char **p, double *value) {
     return good;
 }
 
-static bool parse_int(const char **p, int *value) {
-    double number = 0.0;
-    const bool good = parse_double(p, &number) && number >= 0.0 && number <= INT_MAX;
-    *value = good ? (int)number : 0;
-    return good;
-}
-
 /* Parse the first word, the name of the task. */
 static bool parse_name(const char **p, char *name) {
     const size_t length = strcspn(*p, " ");
@@ -71,8 +62,8 @@ static bool parse_name(const char **p, char *name) {
 static bool parse_record(const char *line, record *r) {
     const char *p = line;
     *r = (record){0};
-    if (!parse_name(&p, r->name) || !parse_int(&p, &r->chunk) || !parse_int(&p, &r->n) ||
-        (size_t)r->n > strlen(line) || !parse_double(&p, &r->seconds)) {
+    if (!parse_name(&p, r->name) || !parse_double(&p, &r->chunk) || !parse_double(&p, &r->n) ||
+        !(r->n >= 0.0 && r->n <= (double)strlen(line)) || !parse_double(&p, &r->seconds)) {
         return false;
     }
     r->values = must_allocate((size_t)r->n, sizeof *r->values, "the state of the experiment");

@@ -47,7 +47,7 @@ typedef struct experiment {
      * separated by spaces; the user may not give them. */
     const char *fixed;
     /* Return how many stamps will be drawn, for the progress line. Ends the program if parameters
-     * contradict each other. */
+     * contradict each other. NULL: as many as --galaxies says. */
     int64_t (*stamps)(const struct options *o);
     void (*run)(struct run *r);
 } experiment;

@@ -53,8 +53,7 @@ static int groups_of(const trial *t) {
     return t->flaw->stamps > 0 ? (int)(t->stamps / t->flaw->stamps) : t->groups;
 }
 
-/* Return the first stamp of a group; rotated copies stay together. */
-static int64_t begin_of(const trial *t, int group) {
+int64_t trial_begin(const trial *t, int group) {
     if (t->flaw->stamps > 0)
         return (int64_t)group * t->flaw->stamps;
     return t->stamps / t->copies * group / t->groups * t->copies;
@@ -116,8 +115,8 @@ static void measure(running *s, int i, int sign, int group) {
 
 static void do_group(running *s, int group) {
     const trial *t = s->of;
-    const int64_t first = begin_of(t, group);
-    const int count = (int)(begin_of(t, group + 1) - first);
+    const int64_t first = trial_begin(t, group);
+    const int count = (int)(trial_begin(t, group + 1) - first);
     double spoilt = 0.0;
     trial_stamps_draw(s->stamps, first, count);
     for (int k = 0; k < count; k++)
@@ -155,7 +154,7 @@ static void prepare(running *s) {
                   s->groups);
     }
     for (int i = 0; i < s->groups; i++) {
-        const int64_t count = begin_of(t, i + 1) - begin_of(t, i);
+        const int64_t count = trial_begin(t, i + 1) - trial_begin(t, i);
         most = count > most ? count : most;
     }
     s->sums = must_allocate((size_t)n, sizeof(trial_sums *), "sums");

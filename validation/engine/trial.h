@@ -61,6 +61,9 @@ char *trial_told_text(const trial_outcome *o, char *buf, size_t size);
  * galaxy and no flaw. The caller sets levels and ways. */
 trial trial_of_options(const options *o, int copies);
 
+/* Return the first stamp of a group; rotated copies stay together. */
+int64_t trial_begin(const trial *t, int group);
+
 /* Run the trial through the cache, as a task of this name. Returns the outcomes [n_levels][n_ways],
  * to be freed by the caller. A file that the library refuses is not an error: `told` is
  * TOLD_REFUSED. */

@@ -76,11 +76,11 @@ static void conclude_noise(table *t, const lines *all, enum bias_noise noise, bo
         }
     }
     if (m.n > 0) {
-        table_conclude(t,
-                       "%s, noise %s: |m| < %g in %d of %d (errors below that: %d), largest %.2g; "
-                       "|c| < %g in %d (errors below that: %d), largest %.2g",
-                       interpolated ? "interpolated" : "not interpolated", bias_noises[noise],
-                       m_goal, m.good, m.n, m.sure, m.worst, c_goal, c.good, c.sure, c.worst);
+        table_meta(t, TABLE_CONCLUSION,
+                   "%s, noise %s: |m| < %g in %d of %d (errors below that: %d), largest %.2g; "
+                   "|c| < %g in %d (errors below that: %d), largest %.2g",
+                   interpolated ? "interpolated" : "not interpolated", bias_noises[noise], m_goal,
+                   m.good, m.n, m.sure, m.worst, c_goal, c.good, c.sure, c.worst);
     }
 }
 
@@ -93,8 +93,9 @@ static void tabulate(table *t, const lines *all) {
     for (int i = 0; i < all->n; i++) {
         const line *l = &all->of[i];
         if (l->of.large) {
-            table_conclude(t, "%s, W_%s: next order a = %.3f +- %.3f", bias_kinds[l->of.kind],
-                           bias_psfs[l->of.psf], l->cubic.cubic, l->cubic.cubic_err);
+            table_meta(t, TABLE_CONCLUSION, "%s, W_%s: next order a = %.3f +- %.3f",
+                       bias_kinds[l->of.kind], bias_psfs[l->of.psf], l->cubic.cubic,
+                       l->cubic.cubic_err);
         }
     }
 }

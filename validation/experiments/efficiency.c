@@ -82,11 +82,11 @@ static void tabulate(table *t, const efficiency_fields *f, summary *s) {
         add_case(t, f, c, s);
     table_meta(t, "bound_one_component", "%.5f", s->line);
     table_meta(t, "bound_both_components", "%.5f", s->plane);
-    table_conclude(t,
-                   "Cramer-Rao bound for one galaxy %.4f (both components together: %.4f); pdf-sym "
-                   "without noise at the broadest fluxes: %.3f times that; its error is at most "
-                   "%.3f times that of the ratio of means",
-                   s->line, s->plane, s->broad, s->worst);
+    table_meta(t, TABLE_CONCLUSION,
+               "Cramer-Rao bound for one galaxy %.4f (both components together: %.4f); pdf-sym "
+               "without noise at the broadest fluxes: %.3f times that; its error is at most "
+               "%.3f times that of the ratio of means",
+               s->line, s->plane, s->broad, s->worst);
 }
 
 static void draw(run *r, summary *s) {

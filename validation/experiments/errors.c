@@ -188,13 +188,13 @@ static void add_row(run *r, int length, int way, double *pulls, size_t n, outcom
 
 static void conclude(table *t, const outcome *out, int way) {
     if (isnan(out->from[way])) {
-        table_conclude(t, "%s: no length has a width within %.0f %% of 1", ways[way],
-                       100.0 * tolerance);
+        table_meta(t, TABLE_CONCLUSION, "%s: no length has a width within %.0f %% of 1", ways[way],
+                   100.0 * tolerance);
     } else {
-        table_conclude(t,
-                       "%s: the pulls' width is within %.0f %% (and its own error) of 1 from %.0f "
-                       "galaxies on",
-                       ways[way], 100.0 * tolerance, out->from[way]);
+        table_meta(t, TABLE_CONCLUSION,
+                   "%s: the pulls' width is within %.0f %% (and its own error) of 1 from %.0f "
+                   "galaxies on",
+                   ways[way], 100.0 * tolerance, out->from[way]);
     }
 }
 

@@ -9,10 +9,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-static int64_t stamps(const options *o) {
-    return o->galaxies;
-}
-
 /* ---- images ---- */
 
 typedef struct image {
@@ -97,7 +93,8 @@ static void tabulate(table *t, const image *truth, const image *fine) {
         rms[i] = add_row(t, methods[i].label, truth, &fine[i]);
         better += plain >= 0 && rms[i] < rms[plain];
     }
-    table_conclude(t, "%d of 3 methods are nearer to the truth with the logarithm", better);
+    table_meta(t, TABLE_CONCLUSION, "%d of 3 methods are nearer to the truth with the logarithm",
+               better);
 }
 
 static void show(shear_figure *f, shear_rect cell, const char *title, const image *im,
@@ -147,5 +144,4 @@ const experiment experiment_images = {
     .defaults = "size=20 shear=0,0 rotate=1 no-shift=yes galaxy=irregular r-gal=5 step-size=0.5 "
                 "r-psf=0.5 galaxies=1 groups=1 filter=none oversample=16 zeros=floor",
     .fixed = "interpolation filter rotate galaxies groups",
-    .stamps = stamps,
     .run = run_images};

@@ -186,10 +186,10 @@ static void conclude(table *t, const points *all, int way) {
             good += fabs(b->m[c]) < 2e-3 + 2.0 * b->m_err[c];
         }
     }
-    table_conclude(t,
-                   "%s: |m| within 2 10^-3 beside two errors in %d of %d (m1 and m2 of every R_PSF "
-                   "above %.2f px), at most %.1f 10^-3",
-                   ways[way], good, n, all->limit_px, 1e3 * worst);
+    table_meta(t, TABLE_CONCLUSION,
+               "%s: |m| within 2 10^-3 beside two errors in %d of %d (m1 and m2 of every R_PSF "
+               "above %.2f px), at most %.1f 10^-3",
+               ways[way], good, n, all->limit_px, 1e3 * worst);
 }
 
 static void tabulate(table *t, const points *all) {
@@ -198,10 +198,10 @@ static void tabulate(table *t, const points *all) {
         add_row(t, &all->of[i % all->n], i / all->n);
     for (int way = 0; way < N_WAYS; way++)
         conclude(t, all, way);
-    table_conclude(t,
-                   "the aliases of exponential disks of half-light radius 0.5 px are 10^-3 of the "
-                   "signal at R_PSF = %.2f px",
-                   all->limit_px);
+    table_meta(t, TABLE_CONCLUSION,
+               "the aliases of exponential disks of half-light radius 0.5 px are 10^-3 of the "
+               "signal at R_PSF = %.2f px",
+               all->limit_px);
     table_meta(t, "limit", "%.4f", all->limit_px);
 }
 

@@ -54,10 +54,10 @@ static void conclude(table *t, const jackknife_sums *sums, double worst, double 
     table_meta(t, "chi2", "%.3f", test.chi2);
     table_meta(t, "dof", "%d", test.dof);
     table_meta(t, "p", "%.4g", test.p);
-    table_conclude(t,
-                   "corrected: largest pull %.1f; all points with their covariance, %s; "
-                   "uncorrected at I_N/I_G = %g: %.0f %% of the shear is left",
-                   worst, chi_square_text(&test, text, sizeof text), last_ratio, left);
+    table_meta(t, TABLE_CONCLUSION,
+               "corrected: largest pull %.1f; all points with their covariance, %s; "
+               "uncorrected at I_N/I_G = %g: %.0f %% of the shear is left",
+               worst, chi_square_text(&test, text, sizeof text), last_ratio, left);
 }
 
 /* Fill the table and curves [component][corrected, not]. */

@@ -124,12 +124,11 @@ static void conclude(run *r, const jackknife_sums *all, const outcome *out, int 
     }
     if (n > 0)
         test = jackknife_test(all, n, series_of, truth);
-    table_conclude(
-        r->table,
-        "%s, sizes from %g R_PSF on: %d of %d shears within 3 errors, largest pull %.1f; "
-        "with their covariance, %s",
-        methods[method_of(i)].label, large, out->large_good[i], out->large[i], out->worst[i],
-        chi_square_text(&test, text, sizeof text));
+    table_meta(r->table, TABLE_CONCLUSION,
+               "%s, sizes from %g R_PSF on: %d of %d shears within 3 errors, largest pull %.1f; "
+               "with their covariance, %s",
+               methods[method_of(i)].label, large, out->large_good[i], out->large[i], out->worst[i],
+               chi_square_text(&test, text, sizeof text));
 }
 
 static void draw(run *r, const outcome *out) {

@@ -171,14 +171,14 @@ static void score_point(score *s, const point *p) {
 }
 
 static void conclude(table *t, const char *psf, const score *s) {
-    table_conclude(t,
-                   "%s PSF: Log-Bicubic and Log-Spline up to pixel/R_PSF = 2: %d of %d shears "
-                   "within 3 errors, largest pull %.1f",
-                   psf, s->best_good, s->best, s->worst);
-    table_conclude(t,
-                   "%s PSF: with the logarithm nearer to the well-sampled shear in %d of %d cases, "
-                   "farther in %d, alike in %d",
-                   psf, s->better, s->twins, s->worse, s->twins - s->better - s->worse);
+    table_meta(t, TABLE_CONCLUSION,
+               "%s PSF: Log-Bicubic and Log-Spline up to pixel/R_PSF = 2: %d of %d shears "
+               "within 3 errors, largest pull %.1f",
+               psf, s->best_good, s->best, s->worst);
+    table_meta(t, TABLE_CONCLUSION,
+               "%s PSF: with the logarithm nearer to the well-sampled shear in %d of %d cases, "
+               "farther in %d, alike in %d",
+               psf, s->better, s->twins, s->worse, s->twins - s->better - s->worse);
 }
 
 /* ---- figures, one per sampling ---- */

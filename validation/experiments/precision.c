@@ -87,12 +87,12 @@ static const column columns[] = {
 
 static void conclude(table *t, const char *label, const trial_level *l, const trial_outcome *mean,
                      const trial_outcome *pdf) {
-    table_conclude(t,
-                   "S/N %g%s, %s: error of one galaxy %.3f +- %.3f (mean), %.3f +- %.3f "
-                   "(pdf-sym); m %+.1f +- %.1f and %+.1f +- %.1f, 10^-3",
-                   l->snr, l->range > 1.0 ? " and more, broad fluxes" : "", label, mean->error,
-                   mean->error_err, pdf->error, pdf->error_err, 1e3 * mean->m, 1e3 * mean->m_err,
-                   1e3 * pdf->m, 1e3 * pdf->m_err);
+    table_meta(t, TABLE_CONCLUSION,
+               "S/N %g%s, %s: error of one galaxy %.3f +- %.3f (mean), %.3f +- %.3f "
+               "(pdf-sym); m %+.1f +- %.1f and %+.1f +- %.1f, 10^-3",
+               l->snr, l->range > 1.0 ? " and more, broad fluxes" : "", label, mean->error,
+               mean->error_err, pdf->error, pdf->error_err, 1e3 * mean->m, 1e3 * mean->m_err,
+               1e3 * pdf->m, 1e3 * pdf->m_err);
 }
 
 static void tabulate(run *r, const trial *t, const trial_outcome *out) {

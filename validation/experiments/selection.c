@@ -70,10 +70,6 @@ typedef struct measuring {
     double beta_px;
 } measuring;
 
-static int64_t begin_of(const trial *t, int group) {
-    return t->stamps / t->copies * group / t->groups * t->copies;
-}
-
 /* Fill a round Gaussian aperture at the stamp's centre, and the scatter of its sum for noise of 1
  * per pixel. */
 static void fill_aperture(measuring *m) {
@@ -125,8 +121,8 @@ static void measure(measuring *m, int sign, int count) {
 
 static void do_group(measuring *m, int group) {
     const trial *t = &m->trial;
-    const int64_t first = begin_of(t, group);
-    const int count = (int)(begin_of(t, group + 1) - first);
+    const int64_t first = trial_begin(t, group);
+    const int count = (int)(trial_begin(t, group + 1) - first);
     trial_stamps_draw(m->drawn, first, count);
     for (int sign = 0; sign < 2; sign++) {
         trial_stamps_write(m->drawn, &t->levels[0], sign, scratch_path());
@@ -190,8 +186,8 @@ static trial_sums *sum_kept(const measuring *m, cut c, enum shear_estimator esti
     for (int i = 0; i < 2 * t->groups; i++) {
         const int sign = i / t->groups;
         const int group = i % t->groups;
-        n += gather(m, c, sign * t->stamps + begin_of(t, group),
-                    sign * t->stamps + begin_of(t, group + 1), sums->sums[i], sums->terms[i]);
+        n += gather(m, c, sign * t->stamps + trial_begin(t, group),
+                    sign * t->stamps + trial_begin(t, group + 1), sums->sums[i], sums->terms[i]);
     }
     *kept = n / (2.0 * (double)t->stamps);
     return sums;
@@ -275,11 +271,11 @@ static void conclude(table *t, const parameter_values *kept, const outcome *out,
         half = fabs(kept->v[i] - 0.5) < fabs(kept->v[half] - 0.5) ? i : half;
     const outcome *mean = &out[half * N_ESTIMATORS];
     const outcome *pdf = mean + 1;
-    table_conclude(t,
-                   "%s, %.2f of the stamps kept: m changes by %+.1f +- %.1f (mean), %+.1f +- %.1f "
-                   "(pdf-sym), 10^-3",
-                   cut_names[i_cut], mean->kept, 1e3 * mean->shift, 1e3 * mean->shift_err,
-                   1e3 * pdf->shift, 1e3 * pdf->shift_err);
+    table_meta(t, TABLE_CONCLUSION,
+               "%s, %.2f of the stamps kept: m changes by %+.1f +- %.1f (mean), %+.1f +- %.1f "
+               "(pdf-sym), 10^-3",
+               cut_names[i_cut], mean->kept, 1e3 * mean->shift, 1e3 * mean->shift_err,
+               1e3 * pdf->shift, 1e3 * pdf->shift_err);
 }
 
 static void tabulate(table *t, const parameter_values *kept, const outcome *out) {

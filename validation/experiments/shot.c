@@ -164,8 +164,8 @@ static void conclude(run *r, const outcome *out, int panel) {
         const double from = out->from[panel][way];
         snprintf(text[way], sizeof text[way], isnan(from) ? "at no exposure" : "from %g on", from);
     }
-    table_conclude(
-        r->table,
+    table_meta(
+        r->table, TABLE_CONCLUSION,
         "signal-to-noise %g: photon counting changes m by less than its error %s (Log-Spline), "
         "%s (no interpolation), %s (plateau) photons per pixel",
         options_list(r->options, "snrs")->v[panel], text[0], text[1], text[2]);

@@ -238,9 +238,9 @@ static void conclude(table *t, const objects *all, int psf) {
         for (int k = 0; k < ratios && plain_of(i) >= 0; k++)
             better += rms_of_all(all, k, i) < rms_of_all(all, k, plain_of(i));
     }
-    table_conclude(
-        t, "%s PSF: over %d galaxies the logarithm is nearer to the truth in %d of %d cases",
-        psf_sampling_names[psf], all->n, better, ratios * N_METHODS / 2);
+    table_meta(t, TABLE_CONCLUSION,
+               "%s PSF: over %d galaxies the logarithm is nearer to the truth in %d of %d cases",
+               psf_sampling_names[psf], all->n, better, ratios * N_METHODS / 2);
 }
 
 static void add_count(table *t, const objects *all, int i_series) {

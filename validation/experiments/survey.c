@@ -144,9 +144,9 @@ static bool conclude(table *t, const parameter_values *snrs, const flaw_row *row
                         1e3 * o->m, 1e3 * o->m_err, good ? "" : "!");
         }
     }
-    table_conclude(t, "%s (%s): %s; mean %s; pdf-sym %s; told: %s", f->label,
-                   aim_text(f, aim, sizeof aim), all ? "met" : "not met", text[0], text[1],
-                   trial_told_text(loudest, told, sizeof told));
+    table_meta(t, TABLE_CONCLUSION, "%s (%s): %s; mean %s; pdf-sym %s; told: %s", f->label,
+               aim_text(f, aim, sizeof aim), all ? "met" : "not met", text[0], text[1],
+               trial_told_text(loudest, told, sizeof told));
     return all;
 }
 

@@ -10,7 +10,8 @@
 static const double margin = 8.0; /* around the panels, pixels */
 
 void run_begin(run *r, const options *o) {
-    const int64_t stamps = o->experiment->stamps(o);
+    const experiment *e = o->experiment;
+    const int64_t stamps = e->stamps != NULL ? e->stamps(o) : o->galaxies;
     *r = (run){.options = o, .cache = cache_open(o, stamps), .table = table_new(o)};
 }
 

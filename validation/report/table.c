@@ -141,25 +141,13 @@ void table_add_texts(table *t, size_t n, const char *const *texts) {
     }
 }
 
-__attribute__((format(printf, 3, 0))) static void add_meta(table *t, const char *key,
-                                                           const char *format, va_list args) {
+void table_meta(table *t, const char *key, const char *format, ...) {
     assert(t->n_meta < MAX_META);
     meta *m = &t->meta[t->n_meta++];
-    snprintf(m->key, sizeof m->key, "%s", key);
+    va_list args;
+    va_start(args, format);
+    text_set(m->key, sizeof m->key, key);
     vsnprintf(m->text, sizeof m->text, format, args);
-}
-
-void table_meta(table *t, const char *key, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    add_meta(t, key, format, args);
-    va_end(args);
-}
-
-void table_conclude(table *t, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    add_meta(t, "verdict", format, args);
     va_end(args);
 }
 
@@ -181,7 +169,7 @@ void table_print(const table *t, FILE *out) {
     for (size_t i = 0; i < t->n; i++)
         print_padded(t, i, t->cells[i].text, out);
     for (int i = 0; i < t->n_meta; i++) {
-        if (strcmp(t->meta[i].key, "verdict") == 0)
+        if (strcmp(t->meta[i].key, TABLE_CONCLUSION) == 0)
             fprintf(out, "%s\n", t->meta[i].text);
     }
 }

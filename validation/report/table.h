@@ -38,10 +38,11 @@ void table_add_numbers(table *t, size_t n, const double *values);
                     (const char *[]){__VA_ARGS__})
 void table_add_texts(table *t, size_t n, const char *const *texts);
 
-/* Add a line of metadata. A conclusion (with the key "verdict") is also printed below the table. */
+/* Add a line of metadata. Those with the key TABLE_CONCLUSION, conclusions, are also printed below
+ * the table. */
+#define TABLE_CONCLUSION "verdict"
 void table_meta(table *t, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-void table_conclude(table *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Print aligned columns, then the conclusions. */
 void table_print(const table *t, FILE *out);
