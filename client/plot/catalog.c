@@ -33,21 +33,13 @@ static double mean_d(const shear_catalog_table *t) {
     return sum_d / sum_w;
 }
 
-/* Set the column to N_1 or N_2 over <D>. */
-static void set_terms(column_values *c, const shear_catalog_table *t, bool second) {
-    const double d = mean_d(t);
+/* Set the column to the finite values of a double of each row, given its offset, over `unit`. */
+static void collect(column_values *c, const shear_catalog_table *t, size_t member, double unit) {
     c->n = 0;
     for (int64_t i = 0; i < t->n; i++) {
-        if (t->rows[i].flags == 0)
-            c->values[c->n++] = (second ? t->rows[i].n2 : t->rows[i].n1) / d;
-    }
-}
-
-static void set_snr(column_values *c, const shear_catalog_table *t) {
-    c->n = 0;
-    for (int64_t i = 0; i < t->n; i++) {
-        if (t->rows[i].flags == 0 && isfinite(t->rows[i].snr))
-            c->values[c->n++] = t->rows[i].snr;
+        const double value = *(const double *)(const void *)((const char *)&t->rows[i] + member);
+        if (t->rows[i].flags == 0 && isfinite(value))
+            c->values[c->n++] = value / unit;
     }
 }
 
@@ -123,7 +115,7 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
     char title[PLOT_CELL];
     char label[PLOT_CELL];
     shear_range r;
-    set_terms(c, t, second);
+    collect(c, t, second ? offsetof(shear_row, n2) : offsetof(shear_row, n1), mean_d(t));
     TRY(robust_range(&r, c, err));
     snprintf(label, sizeof label,
              "N_{%d} / \xe2\x9f\xa8"
@@ -242,7 +234,7 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
     char text[PLOT_CELL];
     shear_range r;
     shear_range median;
-    set_snr(c, t);
+    collect(c, t, offsetof(shear_row, snr), 1.0);
     if (c->n == 0) {
         draw_nothing(f, cell, axes.title, "no noise: it has no S/N");
         return SHEAR_OK;
