@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include "base/cleanup.h"
+#include "base/spelling.h"
 #include "base/text.h"
 #include "value.h"
 
@@ -201,7 +202,8 @@ static bool parse(shear_mock_spec *s, const shear_mock_option *o, const char *te
     case SHEAR_MOCK_T_SEED:
         return value_uint64(text, m);
     case SHEAR_MOCK_T_CHOICE:
-        return value_choice(text, o->choices, m);
+        *(int *)m = spelling_find(o->choices, text);
+        return *(int *)m >= 0;
     case SHEAR_MOCK_T_TEXT:
         return value_copy(text, m, sizeof s->field);
     case SHEAR_MOCK_T_PAIR:

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "painter.h"
 
+#include "base/arena.h"
 #include "base/simd.h"
 #include "shear_mocks/mock.h"
 
@@ -12,14 +13,7 @@
 static const double cell_radius = 0.70710678118654757;
 
 /* A row crosses a four-armed star in at most three pieces; one more because of the grid. */
-enum { PIECES = 4, ALIGNMENT = 64 };
-
-/* Return n zeros, aligned, or NULL if out of memory. */
-static double *new_doubles(size_t n) {
-    size_t bytes = (n * sizeof(double) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-    double *made = aligned_alloc(ALIGNMENT, bytes);
-    return made != NULL ? memset(made, 0, bytes) : NULL;
-}
+enum { PIECES = 4 };
 
 static int side_of(int half) {
     return 2 * half + 1;
@@ -29,37 +23,37 @@ static int spikes_half(const painter *p) {
     return p->kind == SHEAR_MOCK_PSF_B ? (int)ceil(psf_spikes_reach(p->r_px) + cell_radius) : -1;
 }
 
+static void place(painter *p, arena *a) {
+    const size_t side = (size_t)side_of(p->half);
+    const size_t width = (size_t)p->n_strips * PAINTER_STRIP;
+    const size_t spikes =
+        p->kind == SHEAR_MOCK_PSF_B ? (size_t)side_of(spikes_half(p)) + PAINTER_STRIP : 0;
+    p->canvas = arena_doubles(a, (size_t)p->stride * (size_t)p->ny);
+    p->table = arena_doubles(a, side * width);
+    p->columns = arena_doubles(a, width);
+    p->rows = arena_doubles(a, width);
+    p->strips = arena_take(a, (size_t)p->n_strips * sizeof *p->strips);
+    p->spikes = arena_take(a, spikes * PIECES * sizeof *p->spikes);
+    p->buffer = arena_doubles(a, spikes);
+}
+
 bool painter_init(painter *p, enum shear_mock_psf kind, double r_px, int nx, int ny) {
+    arena a = {0};
     *p = (painter){.kind = kind, .r_px = r_px, .angle_deg = NAN, .nx = nx, .ny = ny};
     p->half = (int)ceil(psf_gaussian_reach(r_px) + cell_radius);
     p->reach = (int)ceil(psf_reach(kind, r_px) + cell_radius);
     p->n_strips = (side_of(p->half) + PAINTER_STRIP - 1) / PAINTER_STRIP;
     p->stride = nx + 2 * PAINTER_STRIP;
-    size_t side = (size_t)side_of(p->half);
-    size_t width = (size_t)p->n_strips * PAINTER_STRIP;
-    p->canvas = new_doubles((size_t)p->stride * (size_t)ny);
-    p->table = new_doubles(side * width);
-    p->columns = new_doubles(width);
-    p->rows = new_doubles(width);
-    p->strips = calloc((size_t)p->n_strips, sizeof *p->strips);
-    if (kind == SHEAR_MOCK_PSF_B) {
-        size_t spikes_side = (size_t)side_of(spikes_half(p));
-        p->spikes = calloc(spikes_side * PIECES, sizeof *p->spikes);
-        p->buffer = new_doubles(spikes_side + PAINTER_STRIP);
-    }
-    bool spikes_made = kind != SHEAR_MOCK_PSF_B || (p->spikes != NULL && p->buffer != NULL);
-    return p->canvas != NULL && p->table != NULL && p->columns != NULL && p->rows != NULL &&
-           p->strips != NULL && spikes_made;
+    place(p, &a);
+    p->memory = arena_allocate(&a);
+    if (p->memory == NULL)
+        return false;
+    place(p, &a);
+    return true;
 }
 
 void painter_deinit(painter *p) {
-    free(p->canvas);
-    free(p->table);
-    free(p->columns);
-    free(p->rows);
-    free(p->strips);
-    free(p->spikes);
-    free(p->buffer);
+    free(p->memory);
     *p = (painter){0};
 }
 

@@ -48,6 +48,7 @@ typedef struct painter {
     segment *spikes;  /* [n_spikes] */
     int n_spikes;
     double *buffer; /* for one segment of spikes */
+    void *memory;   /* of all these arrays, owned */
     psf_shape psf;
 } painter;
 

@@ -55,16 +55,6 @@ bool value_bool(const char *text, bool *value) {
     return *value || strcmp(text, "no") == 0;
 }
 
-bool value_choice(const char *text, const char *const *choices, int *value) {
-    for (int i = 0; choices[i]; i++) {
-        if (strcmp(text, choices[i]) == 0) {
-            *value = i;
-            return true;
-        }
-    }
-    return false;
-}
-
 bool value_copy(const char *text, char *value, size_t size) {
     size_t n = strnlen(text, FITS_STRING + 1);
     if (n > FITS_STRING || n >= size)

@@ -15,8 +15,6 @@ bool value_uint64(const char *text, uint64_t *value);
 bool value_double(const char *text, double *value);
 /* Parse "yes" or "no". */
 bool value_bool(const char *text, bool *value);
-/* Find `text` in `choices` (NULL-terminated); *value becomes its index. */
-bool value_choice(const char *text, const char *const *choices, int *value);
 /* Copy at most 68 characters of printable ASCII, the limit of a FITS string. */
 bool value_copy(const char *text, char *value, size_t size);
 
