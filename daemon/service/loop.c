@@ -67,7 +67,7 @@ static void on_tick(uv_timer_t *timer) {
     if (s->notify.watchdog_ms > 0)
         notify_watchdog(&s->notify, NULL);
     /* After a failed commit, commit an empty group to find out whether the disk works again. */
-    if (group_is_failing(&s->group))
+    if (s->group.failing)
         group_begin(&s->group, &ignored);
     retire_jobs(s);
     if (s->spool != NULL && s->statistics.ticks % SPOOL_WAKE_S == 0)

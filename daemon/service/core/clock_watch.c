@@ -74,7 +74,7 @@ void clock_watch_look(clock_watch *w) {
     const int64_t wall = clock_wall_ms();
     const int64_t steady = clock_steady_ms();
     follow(w, wall - steady, steady);
-    if (w->owed_ms != 0 && !group_is_failing(w->group))
+    if (w->owed_ms != 0 && !w->group->failing)
         move_waiting(w, wall);
 }
 

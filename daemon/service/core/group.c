@@ -33,10 +33,6 @@ void *group_then(group *g, post_commit_run *run, int64_t job, size_t size) {
     return post;
 }
 
-bool group_is_failing(const group *g) {
-    return g->failing;
-}
-
 bool group_is_idle(const group *g) {
     return g->first == NULL && !g->open;
 }

@@ -35,7 +35,7 @@ typedef struct group {
     uv_idle_t commit_now; /* active while a group is open, so that the loop does not sleep before
                              the commit */
     bool open;
-    bool failing; /* the last commit failed */
+    bool failing; /* the last commit failed; the next one is tried once a second */
     int64_t commits, failed_commits;
     post_commit *first, **last;
 } group;
@@ -48,7 +48,5 @@ int group_begin(group *g, shear_error *err);
 /* Register `run` for after the commit. Return a zeroed record of `size` bytes that begins with a
  * post_commit and belongs to the group, or NULL if out of memory. */
 void *group_then(group *g, post_commit_run *run, int64_t job, size_t size);
-/* Return true if the last commit failed. The next one is tried once a second. */
-bool group_is_failing(const group *g);
 /* Return true if no group is open and no callback waits. */
 bool group_is_idle(const group *g);

@@ -50,7 +50,7 @@ void change_notifier_note(service *s, const char *name, const char *digest) {
     f = calloc(1, sizeof *f);
     if (f == NULL)
         return;
-    *f = (changed_field){.next = n->first, .since = estimates_begun(s)};
+    *f = (changed_field){.next = n->first, .since = s->estimates->begun};
     text_set(f->name, sizeof f->name, name);
     text_set(f->digest, sizeof f->digest, digest);
     n->first = f;
@@ -81,7 +81,7 @@ static bool is_told(service *s, changed_field *f) {
         return false;
     const bool told = !f->again;
     f->again = false;
-    f->since = estimates_begun(s);
+    f->since = s->estimates->begun;
     return told;
 }
 

@@ -14,10 +14,6 @@ void estimates_init(estimates *all) {
     TAILQ_INIT(&all->pending);
 }
 
-int64_t estimates_begun(const service *s) {
-    return s->estimates->begun;
-}
-
 void estimates_note_retraction(service *s) {
     s->estimates->retractions++;
 }

@@ -6,7 +6,7 @@
  * recently requested fields. Solving needs 85 bytes of memory per stamp.
  *
  * A field that changes faster than it is solved would never have a current result. So a request
- * that began when n solvings had begun (estimates_begun) accepts the result of any later one:
+ * that began when n solvings had begun accepts the result of any later one:
  * `since` is n, or INT64_MAX for a current result only. */
 #pragma once
 
@@ -48,8 +48,6 @@ typedef struct estimates {
 
 void estimates_init(estimates *all);
 void estimates_deinit(estimates *all);
-
-int64_t estimates_begun(const service *s);
 
 enum { ESTIMATES_PENDING = -1 };
 /* Return SHEARD_RPC_OK if the results of these fields are available (`digest` NULL: of all of them;

@@ -172,7 +172,7 @@ static int64_t on_capacity(void *context) {
     const service *s = context;
     store_counts counts;
     shear_error ignored;
-    if (s->life.state != SHEARD_SERVER_RUNNING || group_is_failing(&s->group) ||
+    if (s->life.state != SHEARD_SERVER_RUNNING || s->group.failing ||
         store_count(s->store, &counts, &ignored) != SHEAR_OK) {
         return 0;
     }

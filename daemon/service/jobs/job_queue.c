@@ -125,7 +125,7 @@ static bool mark_next(service *s) {
 void job_queue_fill(service *s) {
     const active_jobs *jobs = s->jobs;
     clock_watch_look(&s->clock);
-    if (group_is_failing(&s->group))
+    if (s->group.failing)
         return;
     if (jobs->may_have_orphans && jobs->marked == 0)
         s->jobs->may_have_orphans = release_orphans(s) != SHEAR_OK;

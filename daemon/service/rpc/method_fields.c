@@ -120,7 +120,7 @@ int method_field(service *s, const server_request *r, sheard_rpc_error *error) {
     field_rows *w = listing_new(s, r->handle, r->request, &fields_rows, sizeof *w, error);
     if (w == NULL)
         return error->code;
-    w->since = estimates_begun(s);
+    w->since = s->estimates->begun;
     listing_begin(&w->list);
     return SHEARD_RPC_OK;
 }
@@ -207,7 +207,7 @@ int method_fields(service *s, const server_request *r, sheard_rpc_error *error) 
     if (w == NULL)
         return error->code;
     const sheard_msg_fields *p = &w->list.request.params.fields;
-    w->since = estimates_begun(s);
+    w->since = s->estimates->begun;
     w->left = (size_t)p->limit;
     if (p->cursor != NULL && !read_cursor(p->cursor, w)) {
         listing_free(&w->list);

@@ -8,10 +8,10 @@
 #include "service/rpc/status.h"
 
 int method_status(service *s, const server_request *r, sheard_rpc_error *error) {
-    CLEANUP(status_deinit) status st = {.problems = NULL};
+    CLEANUP(release_free) status *st = NULL;
     shear_error err = {0};
-    TRY(rpc_error_from_store(error, status_init(&st, s, &err), &err));
-    const sheard_reply reply = {.status = st.message};
+    TRY(rpc_error_from_store(error, status_new(&st, s, &err), &err));
+    const sheard_reply reply = {.status = st->message};
     server_reply(s->server, r->handle, &reply);
     return SHEARD_RPC_OK;
 }

@@ -129,18 +129,18 @@ static void write_problems(FILE *out, const problem_list *list) {
 static void write_all(FILE *out, const status *st) {
     write_states(out, &st->message);
     write_numbers(out, &st->message, &st->net);
-    write_problems(out, st->problems);
+    write_problems(out, &st->problems);
 }
 
 int method_metrics(service *s, const server_request *r, sheard_rpc_error *error) {
-    CLEANUP(status_deinit) status st = {.problems = NULL};
+    CLEANUP(release_free) status *st = NULL;
     CLEANUP(release_free) char *text = NULL;
     shear_error err = {0};
     size_t size = 0;
-    TRY(rpc_error_from_store(error, status_init(&st, s, &err), &err));
+    TRY(rpc_error_from_store(error, status_new(&st, s, &err), &err));
     FILE *out = open_memstream(&text, &size);
     if (out != NULL)
-        write_all(out, &st);
+        write_all(out, st);
     if (out == NULL || fclose(out) != 0) {
         return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
                                "out of memory for the metrics");

@@ -10,7 +10,6 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -181,10 +180,7 @@ static void add_roots(const service *s, problem_list *list) {
     }
 }
 
-problem_list *problem_list_new(const service *s) {
-    problem_list *list = calloc(1, sizeof *list);
-    if (list == NULL)
-        return NULL;
+void problem_list_fill(problem_list *list, const service *s) {
     list->n_disks = disks_get(s, list->disks);
     add_store(s, list);
     add_waiting(s, list);
@@ -193,5 +189,4 @@ problem_list *problem_list_new(const service *s) {
         add_spool(s, list);
     add_log(list);
     add_roots(s, list);
-    return list;
 }

@@ -26,5 +26,5 @@ typedef struct problem_list {
     size_t n_waiting;
 } problem_list;
 
-/* Return the present problems, to be released by free(), or NULL if out of memory. */
-problem_list *problem_list_new(const service *s);
+/* Fill a zeroed list. */
+void problem_list_fill(problem_list *list, const service *s);

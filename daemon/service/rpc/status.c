@@ -57,7 +57,7 @@ static void fill_spool(service *s, status *st) {
 }
 
 static void fill_problems(status *st) {
-    const problem_list *list = st->problems;
+    const problem_list *list = &st->problems;
     sheard_msg_status *out = &st->message;
     out->problems = list->lines;
     out->problem_details = list->items;
@@ -120,10 +120,10 @@ static int fill_store(const service *s, sheard_msg_status *out, shear_error *err
     return SHEAR_OK;
 }
 
-static void fill_service(const service *s, sheard_msg_status *out) {
+static void fill_service(const service *s, status *st) {
     const sheard_config *c = &s->config;
     const log_losses losses = log_get_losses();
-    *out = (sheard_msg_status){
+    st->message = (sheard_msg_status){
         .version = SHEAR_VERSION_STRING,
         .protocol = SHEARD_PROTOCOL_VERSION,
         .pid = getpid(),
@@ -138,25 +138,21 @@ static void fill_service(const service *s, sheard_msg_status *out) {
         .user = s->user,
         .activated = s->activated,
         .limits = status_limits(s),
+        .roots = s->roots.known.roots,
+        .n_roots = s->roots.known.n,
         .log = {losses.lines, losses.waiting_bytes}};
 }
 
-int status_init(status *st, service *s, shear_error *err) {
-    sheard_msg_status *out = &st->message;
-    *st = (status){.problems = problem_list_new(s)};
-    if (st->problems == NULL)
+int status_new(status **out, service *s, shear_error *err) {
+    status *st = calloc(1, sizeof *st);
+    *out = st;
+    if (st == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for what is to be told");
-    fill_service(s, out);
-    out->roots = s->roots.known.roots;
-    out->n_roots = s->roots.known.n;
+    problem_list_fill(&st->problems, s);
+    fill_service(s, st);
     fill_server(s, st);
-    fill_engine(s, out);
+    fill_engine(s, &st->message);
     fill_problems(st);
     fill_spool(s, st);
-    return fill_store(s, out, err);
-}
-
-void status_deinit(status *st) {
-    free(st->problems);
-    st->problems = NULL;
+    return fill_store(s, &st->message, err);
 }

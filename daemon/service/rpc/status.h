@@ -13,14 +13,14 @@ enum { STATUS_LEFT_LYING = 16 }; /* at most so many ignored files are listed */
 /* A status message, with the texts and lists that it points to. */
 typedef struct status {
     sheard_msg_status message;
-    problem_list *problems;
+    problem_list problems;
     server_statistics net;
     spool_ignored ignored[STATUS_LEFT_LYING];
     sheard_msg_ignored left_lying[STATUS_LEFT_LYING];
 } status;
 
-/* Fill *st. Errors of the store. Deinit it in either case. */
-int status_init(status *st, service *s, shear_error *err);
-void status_deinit(status *st);
+/* Make *out, to be released by free(); it may be incomplete, or NULL, after an error. Errors of the
+ * store, SHEAR_E_NOMEM. */
+int status_new(status **out, service *s, shear_error *err);
 
 sheard_msg_limits status_limits(const service *s);
