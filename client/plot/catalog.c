@@ -102,7 +102,7 @@ static void begin_histogram(shear_figure *f, shear_axes axes, const column_value
     axes.y.label = "stamps";
     shear_axes_begin(f, &axes);
     shear_axes_histogram(f, bins, r, counts,
-                         &(shear_style){.colour = shear_palette(hue), .fill = 0.2});
+                         &(shear_style){.colour = shear_palette((int)hue), .fill = 0.2});
     if (beyond > 0) {
         char text[32];
         snprintf(text, sizeof text, "%zu beyond", beyond);
@@ -218,7 +218,7 @@ static void draw_flags(shear_figure *f, shear_rect cell, const shear_catalog_tab
         char text[32];
         const int hue = i == b.n - 1 ? SHEAR_BLUE : SHEAR_VERMILION;
         shear_axes_bar(f, true, i, 0.56, 0.0, (double)b.counts[i],
-                       &(shear_style){.colour = shear_palette(hue), .fill = 0.7});
+                       &(shear_style){.colour = shear_palette((int)hue), .fill = 0.7});
         snprintf(text, sizeof text, "%" PRId64, b.counts[i]);
         shear_axes_text(f, (double)b.counts[i] + 0.015 * most, i, false, text,
                         &(shear_text_style){.size = 10.5});
