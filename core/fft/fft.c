@@ -10,6 +10,7 @@
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { CACHE_LINE = 64, MAX_PASSES = 32 };
 
@@ -33,6 +34,12 @@ fft_lanes fft_lanes_take(arena *a, int n) {
     const size_t half = (size_t)n * FFT_LANES;
     double *memory = arena_doubles(a, 2 * half);
     return (fft_lanes){.re = memory, .im = memory != NULL ? memory + half : NULL};
+}
+
+void fft_lanes_close(fft_lanes lanes, int n) {
+    const size_t end = (size_t)n * FFT_LANES;
+    memcpy(lanes.re + end, lanes.re, FFT_LANES * sizeof *lanes.re);
+    memcpy(lanes.im + end, lanes.im, FFT_LANES * sizeof *lanes.im);
 }
 
 size_t fft_padded(int n) {

@@ -42,6 +42,8 @@ typedef struct fft_lanes {
     double *re, *im;
 } fft_lanes;
 fft_lanes fft_lanes_take(arena *a, int n);
+/* Repeat element 0 as element n, where element -0 is read. */
+void fft_lanes_close(fft_lanes lanes, int n);
 
 typedef struct fft_plan fft_plan;
 fft_plan *fft_plan_new(int n); /* n >= 2 elements per line; NULL if out of memory */

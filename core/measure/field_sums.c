@@ -138,13 +138,8 @@ int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error 
     return SHEAR_OK;
 }
 
-/* Cut the next blank-separated word out of *rest; NULL at the end. */
-static char *next_word(char **rest) {
-    return strsep(rest, " ");
-}
-
 static bool read_count(char **rest, int64_t *count) {
-    const char *word = next_word(rest);
+    const char *word = strsep(rest, " ");
     return word != NULL && isdigit((unsigned char)*word) && text_to_int64(word, count);
 }
 
@@ -159,7 +154,7 @@ static bool read_flags(shear_field_sums *f, int64_t n, char **rest) {
 static bool read_terms(shear_field_sums *f, int64_t n, const int *where, char **rest) {
     bool good = n <= SHEAR_N_TERMS;
     for (int i = 0; good && i < (int)n; i++) {
-        const char *word = next_word(rest);
+        const char *word = strsep(rest, " ");
         good = word != NULL && exact_parse(f->sums, where != NULL ? where[i] : i, word);
     }
     return good;
@@ -177,8 +172,8 @@ static bool top_is_possible(const shear_field_sums *f) {
 }
 
 static bool read_top(shear_field_sums *f, char **rest) {
-    const char *size = next_word(rest);
-    const char *stamp = next_word(rest);
+    const char *size = strsep(rest, " ");
+    const char *stamp = strsep(rest, " ");
     return size != NULL && stamp != NULL && text_to_double(size, &f->top.size) &&
            text_to_int64(stamp, &f->top.stamp) && top_is_possible(f);
 }
@@ -203,10 +198,17 @@ static const char *read_text(shear_field_sums *f, bool old, char *rest) {
     return rest == NULL ? NULL : "what follows them";
 }
 
-/* Parse the text behind the magic word into *out. */
-static int parse_rest(shear_field_sums **out, bool old, const char *text, shear_error *err) {
+int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error *err) {
+    _Static_assert(sizeof magic == sizeof old_magic, "of one length");
+    const size_t head = sizeof magic - 1;
+    const bool old = strncmp(text, old_magic, head) == 0;
+    *out = NULL;
+    if (!(old || strncmp(text, magic, head) == 0) || text[head] != ' ') {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "these are not the sums of a field (expected '%s ...')", magic);
+    }
     CLEANUP(shear_field_sums_release) shear_field_sums *f = NULL;
-    CLEANUP(release_free) char *copy = strdup(text);
+    CLEANUP(release_free) char *copy = strdup(text + head + 1);
     TRY(shear_field_sums_new(&f, err));
     if (copy == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
@@ -217,16 +219,4 @@ static int parse_rest(shear_field_sums **out, bool old, const char *text, shear_
     }
     *out = CLEANUP_TAKE(f);
     return SHEAR_OK;
-}
-
-int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error *err) {
-    _Static_assert(sizeof magic == sizeof old_magic, "of one length");
-    const size_t head = sizeof magic - 1;
-    const bool old = strncmp(text, old_magic, head) == 0;
-    *out = NULL;
-    if (!(old || strncmp(text, magic, head) == 0) || text[head] != ' ') {
-        return shear_fail(err, SHEAR_E_FORMAT, NULL,
-                          "these are not the sums of a field (expected '%s ...')", magic);
-    }
-    return parse_rest(out, old, text + head + 1, err);
 }

@@ -159,18 +159,11 @@ static fft_lanes group_lanes(const shear_workspace *ws, int group, enum side sid
     return (fft_lanes){.re = re, .im = re + ws->lane_size};
 }
 
-/* Repeat element 0 at the end, where element -0 is read. */
-static void close_period(fft_lanes lanes, int n) {
-    const size_t end = (size_t)n * FFT_LANES;
-    memcpy(lanes.re + end, lanes.re, FFT_LANES * sizeof *lanes.re);
-    memcpy(lanes.im + end, lanes.im, FFT_LANES * sizeof *lanes.im);
-}
-
 /* Transpose a strip's modes from [jy][x] to [x][jy], for the groups of rows that are needed. */
 static void transpose_strip(const packing *p, fft_lanes from, int x0) {
     const size_t to = (size_t)x0 * FFT_LANES;
     const int ny = p->plan->info.fine_ny;
-    close_period(from, ny);
+    fft_lanes_close(from, ny);
     for (int group = 0; group <= mode_groups_last(p->plan, p->transfer); group++) {
         if (!mode_groups_want(p->plan, p->transfer, group))
             continue;
@@ -259,7 +252,7 @@ mode_rows pack_transform_rows(const shear_plan *plan, shear_workspace *ws, int g
     const fft_lanes free_one = up.re == ws->lanes[0].re ? ws->lanes[1] : ws->lanes[0];
     const fft_lanes down =
         fft_run(plan->along_x, mirrored.re, mirrored.im, FFT_LANES, ws->lanes[2], free_one);
-    close_period(up, nx);
-    close_period(down, nx);
+    fft_lanes_close(up, nx);
+    fft_lanes_close(down, nx);
     return (mode_rows){.up = up, .down = down, .nx = nx, .group = group};
 }

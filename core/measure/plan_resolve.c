@@ -102,10 +102,6 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, sh
     return check_psf_size(info, err);
 }
 
-static bool filter_by_rule(const shear_settings *set) {
-    return set->filter == SHEAR_FILTER_AUTO || set->filter == SHEAR_FILTER_R_GAL;
-}
-
 shear_settings plan_settings(const shear_plan_request *request) {
     shear_settings settings;
     if (request->settings != NULL)
@@ -136,7 +132,7 @@ static int resolve_filter(const shear_settings *set, shear_plan_info *info,
     const double core = found ? request->core_px : set->core_px;
     const bool core_given = !isnan(core);
     info->filter = set->filter;
-    if (filter_by_rule(set))
+    if (set->filter == SHEAR_FILTER_AUTO || set->filter == SHEAR_FILTER_R_GAL)
         info->filter = core_given || has_r_gal ? SHEAR_FILTER_PAPER : SHEAR_FILTER_NONE;
     info->core_px = NAN;
     info->width_px = NAN;

@@ -78,16 +78,14 @@ static double *group_modes(const transfer_scratch *t, size_t group, size_t part)
 
 /* Transform two strips of the aliased PSF along y, from column x0 on. */
 static void transform_pair(const transfer_plan *p, const transfer_scratch *t, size_t x0) {
-    const size_t ny = (size_t)p->period_ny;
     const double *from = t->aliased + x0;
     double parts[4][FFT_LANES * FFT_LANES];
     const fft_lanes z =
         fft_run(p->along_y, from, from + FFT_LANES, t->aliased_stride, t->lanes[0], t->lanes[1]);
-    memcpy(z.re + ny * FFT_LANES, z.re, FFT_LANES * sizeof *z.re); /* row -0 */
-    memcpy(z.im + ny * FFT_LANES, z.im, FFT_LANES * sizeof *z.im);
+    fft_lanes_close(z, p->period_ny);
     for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
         const size_t up = group * FFT_LANES * FFT_LANES;
-        const size_t down = ny * FFT_LANES - up;
+        const size_t down = (size_t)p->period_ny * FFT_LANES - up;
         part_strips(z.re + up, z.im + up, z.re + down, z.im + down, parts);
         for (size_t i = 0; i < 4; i++) {
             const size_t strip = x0 + i / 2 * FFT_LANES;
