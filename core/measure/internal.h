@@ -30,11 +30,9 @@ struct shear_plan {
     size_t bytes;        /* so many */
 };
 
-/* Return the settings of the request, or the defaults. */
-shear_settings plan_settings(const shear_plan_request *request);
-/* Fill *info. `set` comes from plan_settings. Errors as of shear_plan_new. */
-int plan_resolve(shear_plan_info *info, const shear_settings *set,
-                 const shear_plan_request *request, shear_error *err);
+/* Begin a plan without tables: what the request's settings leave open is resolved. Errors as of
+ * shear_plan_new. */
+int plan_resolve(shear_plan *plan, const shear_plan_request *request, shear_error *err);
 
 struct shear_workspace {
     void *memory; /* of all arrays */

@@ -110,18 +110,12 @@ static int check_limit(shear_plan *plan, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Resolve the request. */
-static int begin(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
-    *plan = (shear_plan){.settings = plan_settings(request), .has_psf = request->psf != NULL};
-    return plan_resolve(&plan->info, &plan->settings, request, err);
-}
-
 int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_error *err) {
     *out = NULL;
     CLEANUP(shear_plan_release) shear_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL)
         return out_of_memory(err);
-    TRY(begin(plan, request, err));
+    TRY(plan_resolve(plan, request, err));
     if (!make_tables(plan))
         return out_of_memory(err);
     TRY(request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
@@ -133,7 +127,7 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
 int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, shear_error *err) {
     shear_plan plan;
     *memory = (shear_memory){0};
-    TRY(begin(&plan, request, err));
+    TRY(plan_resolve(&plan, request, err));
     transfer_scratch scratch;
     arena of_plan = {0};
     arena of_planning = {0};

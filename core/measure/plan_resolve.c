@@ -102,7 +102,8 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, sh
     return check_psf_size(info, err);
 }
 
-shear_settings plan_settings(const shear_plan_request *request) {
+/* Return the settings of the request, or the defaults. */
+static shear_settings settings_of(const shear_plan_request *request) {
     shear_settings settings;
     if (request->settings != NULL)
         return *request->settings;
@@ -115,7 +116,7 @@ static bool wants_core(const shear_settings *set, const shear_plan_request *requ
 }
 
 bool shear_plan_wants_core(const shear_plan_request *request) {
-    const shear_settings settings = plan_settings(request);
+    const shear_settings settings = settings_of(request);
     return wants_core(&settings, request);
 }
 
@@ -192,9 +193,12 @@ static int resolve_radii(const shear_settings *set, shear_plan_info *info,
     return SHEAR_OK;
 }
 
-int plan_resolve(shear_plan_info *info, const shear_settings *set,
-                 const shear_plan_request *request, shear_error *err) {
-    info->geometry = request->geometry;
+int plan_resolve(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
+    const shear_settings *set = &plan->settings;
+    shear_plan_info *info = &plan->info;
+    *plan = (shear_plan){.settings = settings_of(request),
+                         .info = {.geometry = request->geometry},
+                         .has_psf = request->psf != NULL};
     TRY(shear_settings_check(set, err));
     TRY(check_geometry(&info->geometry, err));
     TRY(resolve_radii(set, info, request, err));
@@ -205,7 +209,7 @@ int plan_resolve(shear_plan_info *info, const shear_settings *set,
 
 int shear_plan_find_radii(shear_plan_radii *radii, const shear_plan_request *request,
                           shear_error *err) {
-    const shear_settings settings = plan_settings(request);
+    const shear_settings settings = settings_of(request);
     shear_plan_info info = {.geometry = request->geometry};
     const int code = resolve_radii(&settings, &info, request, err);
     *radii = (shear_plan_radii){.r_psf_px = info.r_psf_px,
