@@ -4,10 +4,6 @@
 
 #include <string.h>
 
-static size_t at(const char *section, const char *key) {
-    return (size_t)sheard_setting_find(section, key);
-}
-
 /* Return which of two settings was set later: probably it is the wrong one. */
 static size_t later(const sheard_config *c, size_t a, size_t b) {
     if (c->lines[a] == ORIGIN_COMMAND_LINE)
@@ -36,7 +32,8 @@ static void check_outside_spool(const sheard_config *c, const char *section, con
         (void)shear_fail(&error, SHEAR_E_SETTING, "choose a directory outside the watch folder",
                          "%s.%s %.180s is within spool.directory %.180s", section, key, path,
                          c->spool.directory);
-        report(c, later(c, at(section, key), at("spool", "directory")), &error, problems);
+        report(c, later(c, config_at(section, key), config_at("spool", "directory")), &error,
+               problems);
     }
 }
 
@@ -49,8 +46,8 @@ static void check_directories(const sheard_config *c, sheard_problems *problems)
     if (strcmp(c->catalogs.directory, c->daemon.state_dir) == 0) {
         (void)shear_fail(&error, SHEAR_E_SETTING, "a directory within it will do",
                          "catalogues.directory is daemon.state_dir itself");
-        report(c, later(c, at("daemon", "state_dir"), at("catalogues", "directory")), &error,
-               problems);
+        report(c, later(c, config_at("daemon", "state_dir"), config_at("catalogues", "directory")),
+               &error, problems);
     }
 }
 
@@ -62,14 +59,15 @@ static void check_numbers(const sheard_config *c, sheard_problems *problems) {
     if (c->retry.first_delay_ms > c->retry.max_delay_ms) {
         (void)shear_fail(&error, SHEAR_E_SETTING, NULL,
                          "retry.first_delay is longer than retry.max_delay");
-        report(c, later(c, at("retry", "first_delay"), at("retry", "max_delay")), &error, problems);
+        report(c, later(c, config_at("retry", "first_delay"), config_at("retry", "max_delay")),
+               &error, problems);
     }
     if (c->reader.shared_memory_bytes > c->reader.memory_bytes - READER_OWN_BYTES) {
         (void)shear_fail(&error, SHEAR_E_SETTING, "raise memory or lower shared_memory",
                          "reader.memory does not hold reader.shared_memory and the 48M of the "
                          "reader itself");
-        report(c, later(c, at("reader", "memory"), at("reader", "shared_memory")), &error,
-               problems);
+        report(c, later(c, config_at("reader", "memory"), config_at("reader", "shared_memory")),
+               &error, problems);
     }
 }
 
@@ -77,7 +75,7 @@ static void check_measure(const sheard_config *c, sheard_problems *problems) {
     shear_error error;
     if (shear_settings_check(&c->measure, &error) == SHEAR_OK)
         return;
-    size_t latest = at("measure", "interpolation");
+    size_t latest = config_at("measure", "interpolation");
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         if (sheard_setting_at(i).type == SHEARD_T_MEASURE)
             latest = later(c, latest, i);

@@ -2,6 +2,8 @@
 #include "sheard/config.h"
 
 #include "base/cleanup.h"
+#include "base/io.h"
+#include "base/text.h"
 #include "origin.h"
 #include "table.h"
 #include "value.h"
@@ -15,22 +17,13 @@
 /* Find "PREFIX/etc/sheard/sheard.conf" of a program in PREFIX/sbin or PREFIX/bin. Return false if
  * it does not exist. */
 static bool find_beneath_prefix(char *path, size_t size) {
-    static const char name[] = "/etc/sheard/sheard.conf";
-    const ssize_t n = readlink("/proc/self/exe", path, size - 1);
-    if (n <= 0)
+    if (io_own_directory(path, size) != 0)
         return false;
-    path[n] = '\0';
-    for (int level = 0; level < 2; level++) {
-        char *slash = strrchr(path, '/');
-        if (slash == NULL)
-            return false;
-        *slash = '\0';
-    }
-    const size_t length = strlen(path);
-    if (length + sizeof name > size)
+    char *slash = strrchr(path, '/');
+    if (slash == NULL)
         return false;
-    memcpy(path + length, name, sizeof name);
-    return access(path, F_OK) == 0;
+    *slash = '\0';
+    return text_append(path, size, "/etc/sheard/sheard.conf") && access(path, F_OK) == 0;
 }
 
 const char *sheard_config_default_path(void) {
@@ -56,22 +49,19 @@ static int set_index(sheard_config *config, size_t index, const char *text, shea
     if (s.type == SHEARD_T_MEASURE)
         return set_measure(config, s.key, text, err);
     value parsed;
-    const int code = value_parse(&s, text, &parsed, err);
-    if (code == SHEAR_OK) { /* replace the old value */
-        void *member = config_member(config, &s);
-        value_deinit(&s, member);
-        memcpy(member, &parsed, value_size(&s));
-    }
-    return code;
+    TRY(value_parse(&s, text, &parsed, err));
+    void *member = config_member(config, &s);
+    value_deinit(&s, member);
+    memcpy(member, &parsed, value_size(&s));
+    return SHEAR_OK;
 }
 
 int config_set_at(sheard_config *config, size_t index, const char *text, int line,
                   shear_error *err) {
     assert(index < sheard_settings_count() && line >= ORIGIN_EARLIER);
-    const int code = set_index(config, index, text, err);
-    if (code == SHEAR_OK)
-        config->lines[index] = line;
-    return code;
+    TRY(set_index(config, index, text, err));
+    config->lines[index] = line;
+    return SHEAR_OK;
 }
 
 int sheard_config_init(sheard_config *config, shear_error *err) {
@@ -134,8 +124,8 @@ int config_find(const char *section, const char *key, size_t *index, shear_error
 int sheard_config_set(sheard_config *config, const char *section, const char *key, const char *text,
                       shear_error *err) {
     size_t index = 0;
-    int code = config_find(section, key, &index, err);
-    return code == SHEAR_OK ? config_set_at(config, index, text, ORIGIN_COMMAND_LINE, err) : code;
+    TRY(config_find(section, key, &index, err));
+    return config_set_at(config, index, text, ORIGIN_COMMAND_LINE, err);
 }
 
 int sheard_config_assign(sheard_config *config, const char *assignment, shear_error *err) {

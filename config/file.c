@@ -51,6 +51,6 @@ int file_read(const char *path, bool may_miss, char **text, size_t *size, shear_
                           errno == ENOENT ? "without --config, the defaults are used" : NULL,
                           "cannot be opened: %s", strerror(errno));
     }
-    const int code = check_kind(fd, err);
-    return code == SHEAR_OK ? read_all(fd, text, size, err) : code;
+    TRY(check_kind(fd, err));
+    return read_all(fd, text, size, err);
 }

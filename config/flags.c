@@ -3,6 +3,7 @@
 #include "base/cleanup.h"
 #include "sheard/config.h"
 #include "text.h"
+#include "value.h"
 
 #include <getopt.h>
 #include <stdlib.h>
@@ -35,21 +36,6 @@ int sheard_flags_assign(int val, const char *argument, sheard_list *assignments,
     return sheard_list_append(assignments, text, err);
 }
 
-static const char *metavar(const sheard_setting *s) {
-    switch (s->type) {
-    case SHEARD_T_PATH:
-        return "PATH";
-    case SHEARD_T_PATHS:
-        return "PATH,...";
-    case SHEARD_T_DURATION:
-        return "TIME";
-    case SHEARD_T_INT:
-        return "N";
-    default:
-        return "VALUE";
-    }
-}
-
 void sheard_flags_help(FILE *out) {
     static const char indent[] = "                            ";
     enum { COLUMN = sizeof indent - 1 };
@@ -58,7 +44,7 @@ void sheard_flags_help(FILE *out) {
         char text[1024];
         if (s.flag == NULL)
             continue;
-        int column = fprintf(out, "  --%s %s", s.flag, metavar(&s));
+        int column = fprintf(out, "  --%s %s", s.flag, value_placeholder(&s));
         char expected[256];
         snprintf(text, sizeof text, "[%s] %s: %s %s (default %s)", s.section, s.key, s.help,
                  text_expected(&s, expected, sizeof expected),

@@ -4,61 +4,47 @@
  * the manual page with the settings in place of its comment line SETTINGS. */
 #include "sheard/config.h"
 
+#include "base/cleanup.h"
+
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char marker[] = ".\\\" SETTINGS\n";
 
-static int complain(const char *what, const shear_error *err) {
-    fprintf(stderr, "sheard-config-text: %s: %s\n", what, err->message);
-    return EXIT_FAILURE;
-}
-
 static int paste(FILE *page, shear_error *err) {
-    char *line = NULL;
+    CLEANUP(release_free) char *line = NULL;
     size_t capacity = 0;
-    int code = SHEAR_OK;
     bool found = false;
-    while (code == SHEAR_OK && getline(&line, &capacity, page) >= 0) {
+    while (getline(&line, &capacity, page) >= 0) {
         if (strcmp(line, marker) == 0) {
             found = true;
-            code = sheard_config_print_manual(stdout, err);
+            TRY(sheard_config_print_manual(stdout, err));
         } else {
             fputs(line, stdout);
         }
     }
-    free(line);
-    if (code == SHEAR_OK && !found)
-        code = shear_fail(err, SHEAR_E_FORMAT, NULL, "has no line for the settings");
-    return code;
+    return found ? SHEAR_OK : shear_fail(err, SHEAR_E_FORMAT, NULL, "has no line for the settings");
 }
 
-static int manual(const char *path) {
-    shear_error err = {0};
-    FILE *page = fopen(path, "r");
-    if (page == NULL) {
-        perror(path);
-        return EXIT_FAILURE;
-    }
-    int code = paste(page, &err);
-    fclose(page);
-    return code == SHEAR_OK ? EXIT_SUCCESS : complain(path, &err);
-}
-
-static int sample(void) {
-    shear_error err = {0};
-    return sheard_config_print_sample(stdout, &err) == SHEAR_OK ? EXIT_SUCCESS
-                                                                : complain("sample", &err);
+static int manual(const char *path, shear_error *err) {
+    CLEANUP(release_file) FILE *page = fopen(path, "r");
+    return page != NULL ? paste(page, err)
+                        : shear_fail(err, SHEAR_E_IO, NULL, "%s", strerror(errno));
 }
 
 int main(int argc, char **argv) {
-    int status = EXIT_FAILURE;
+    shear_error err;
+    int code = SHEAR_OK;
     if (argc == 2 && strcmp(argv[1], "sample") == 0) {
-        status = sample();
+        code = sheard_config_print_sample(stdout, &err);
     } else if (argc == 3 && strcmp(argv[1], "manual") == 0) {
-        status = manual(argv[2]);
+        code = manual(argv[2], &err);
     } else {
         fputs("usage: sheard-config-text sample | manual PAGE.in\n", stderr);
+        return EXIT_FAILURE;
     }
-    return fclose(stdout) == 0 ? status : EXIT_FAILURE;
+    if (code != SHEAR_OK)
+        fprintf(stderr, "sheard-config-text: %s: %s\n", argv[argc - 1], err.message);
+    return fclose(stdout) == 0 && code == SHEAR_OK ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Load the file's values into a config. A value may continue on further lines, so it is set when
  * the next one begins. */
+#include "base/buffer.h"
 #include "base/cleanup.h"
 #include "file.h"
 #include "ini_text.h"
 #include "origin.h"
 #include "value.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,9 +20,9 @@ typedef struct loader {
     bool holds; /* `text` holds a value of setting `index` from line `line` */
     size_t index;
     int line;
-    char *text; /* owned; lines are separated by '\n' */
-    int *seen;  /* [sheard_settings_count()] line of the file that set it, or 0 */
-    int code;   /* SHEAR_OK or SHEAR_E_NOMEM */
+    buffer text; /* lines are separated by '\n' */
+    int *seen;   /* [sheard_settings_count()] line of the file that set it, or 0 */
+    int code;    /* SHEAR_OK or SHEAR_E_NOMEM */
     shear_error error;
 } loader;
 
@@ -40,11 +40,15 @@ static void on_fault(void *context, int line, const char *advice, const char *me
 /* Set the value held, if there is one. */
 static void flush(loader *l) {
     shear_error error;
-    if (l->holds && config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK)
-        report(l, l->line, &error);
-    free(l->text);
-    l->text = NULL;
+    if (!l->holds)
+        return;
     l->holds = false;
+    CLEANUP(release_free) char *text = buffer_take(&l->text, NULL);
+    if (text == NULL) {
+        l->code = shear_fail(&l->error, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
+    } else if (config_set_at(l->config, l->index, text, l->line, &error) != SHEAR_OK) {
+        report(l, l->line, &error);
+    }
 }
 
 static void on_section(void *context, int line, const char *name) {
@@ -60,10 +64,6 @@ static void on_section(void *context, int line, const char *name) {
     }
 }
 
-static void out_of_memory(loader *l) {
-    l->code = shear_fail(&l->error, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
-}
-
 static void continue_value(loader *l, int line, const char *more) {
     if (!l->holds) {
         return; /* the key has been reported */
@@ -77,13 +77,8 @@ static void continue_value(loader *l, int line, const char *more) {
         on_fault(l, line, "remove the space; only lists go on in further lines", message);
         return;
     }
-    char *joined = NULL;
-    if (asprintf(&joined, "%s\n%s", l->text, more) < 0) {
-        out_of_memory(l);
-        return;
-    }
-    free(l->text);
-    l->text = joined;
+    buffer_add_text(&l->text, "\n");
+    buffer_add_text(&l->text, more);
 }
 
 /* Find the setting. Return false, and report the reason, if it is unknown or already set by this
@@ -113,7 +108,6 @@ static bool identify(loader *l, int line, const char *key) {
 
 static void on_value(void *context, int line, const char *key, const char *text, bool continued) {
     loader *l = context;
-    assert(!l->holds || l->text != NULL);
     if (continued) {
         continue_value(l, line, text);
         return;
@@ -123,18 +117,15 @@ static void on_value(void *context, int line, const char *key, const char *text,
         return;
     l->seen[l->index] = line;
     l->line = line;
-    l->text = strdup(text);
-    l->holds = l->text != NULL;
-    if (!l->holds)
-        out_of_memory(l);
+    l->holds = true;
+    buffer_add_text(&l->text, text);
 }
 
 static int load_text(loader *l, const char *text, size_t size) {
     ini_events events = {l, on_section, on_value, on_fault};
     l->seen = calloc(sheard_settings_count(), sizeof *l->seen);
     if (l->seen == NULL) {
-        out_of_memory(l);
-        return l->code;
+        return shear_fail(&l->error, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
     }
     int code = ini_text_read(text, size, &events, &l->error);
     flush(l);

@@ -32,35 +32,29 @@ static void print_sentence(FILE *out, const char *text) {
     fputs(n > 0 && text[n - 1] == '.' ? "\n" : ".\n", out);
 }
 
-static int print_default(FILE *out, const sheard_config *defaults, size_t i, shear_error *err) {
-    CLEANUP(release_free) char *text = sheard_config_format(defaults, i);
-    if (text == NULL)
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the manual");
-    fputs("Default: ", out);
-    print_sentence(out, *text != '\0' ? text : "empty");
-    return SHEAR_OK;
-}
-
 static int print_setting(FILE *out, const sheard_config *defaults, size_t i, shear_error *err) {
     sheard_setting s = sheard_setting_at(i);
     char text[256];
+    CLEANUP(release_free) char *initial = sheard_config_format(defaults, i);
+    if (initial == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the manual");
     fputs(".It Cm ", out);
     print_roff(out, s.key);
     fputc('\n', out);
     print_sentence(out, s.help);
     print_sentence(out, text_expected(&s, text, sizeof text));
-    int code = print_default(out, defaults, i, err);
+    fputs("Default: ", out);
+    print_sentence(out, *initial != '\0' ? initial : "empty");
     if (s.at_start)
         print_sentence(out, "A change takes effect at the next start.");
     if (s.flag != NULL)
         fprintf(out, "On the command line:\n.Fl \\-%s .\n", s.flag);
-    return code;
+    return SHEAR_OK;
 }
 
 static int print_all(FILE *out, const sheard_config *defaults, shear_error *err) {
     const char *section = "";
-    int code = SHEAR_OK;
-    for (size_t i = 0; i < sheard_settings_count() && code == SHEAR_OK; i++) {
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
         sheard_setting s = sheard_setting_at(i);
         if (strcmp(s.section, section) != 0) {
             fputs(*section != '\0' ? ".El\n" : "", out);
@@ -69,15 +63,14 @@ static int print_all(FILE *out, const sheard_config *defaults, shear_error *err)
             print_sentence(out, sheard_section_help(section));
             fputs(".Bl -tag -width Ds\n", out);
         }
-        code = print_setting(out, defaults, i, err);
+        TRY(print_setting(out, defaults, i, err));
     }
     fputs(".El\n", out);
-    return code;
+    return text_flushed(out, err);
 }
 
 int sheard_config_print_manual(FILE *out, shear_error *err) {
     CLEANUP(sheard_config_deinit) sheard_config defaults = {0};
     TRY(sheard_config_init(&defaults, err));
-    int code = print_all(out, &defaults, err);
-    return code == SHEAR_OK ? text_flushed(out, err) : code;
+    return print_all(out, &defaults, err);
 }

@@ -83,31 +83,6 @@ char *number_format(const sheard_setting *s, int64_t number, char *buf, size_t s
     return buf;
 }
 
-static const char *noun(const sheard_setting *s) {
-    switch (s->type) {
-    case SHEARD_T_BYTES:
-        return "a size (as in 512K, 64M, 4G)";
-    case SHEARD_T_DURATION:
-        return "a duration with its unit (as in 250ms, 30s, 5min, 2h, 7d)";
-    case SHEARD_T_MODE:
-        return "an octal mode";
-    default:
-        return "a whole number";
-    }
-}
-
-char *number_expected(const sheard_setting *s, char *buf, size_t size) {
-    char low[32];
-    char high[32];
-    sheard_setting plain = *s; /* bounds are printed as numbers, never as the word for 0 */
-    plain.word = NULL;
-    snprintf(buf, size, "%s%s%s from %s to %s%s%s", noun(s), s->unit != NULL ? " of " : "",
-             s->unit != NULL ? s->unit : "", number_format(&plain, s->min, low, sizeof low),
-             number_format(&plain, s->max, high, sizeof high), s->word != NULL ? ", or " : "",
-             s->word != NULL ? s->word : "");
-    return buf;
-}
-
 int number_parse(const sheard_setting *s, const char *text, int64_t *number, shear_error *err) {
     if (s->word != NULL && strcmp(text, s->word) == 0) {
         *number = 0;
@@ -117,7 +92,7 @@ int number_parse(const sheard_setting *s, const char *text, int64_t *number, she
     char expected[128];
     if (!read_number(s, text, &n) || n < s->min || n > s->max) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.60s' is not %s", s->section,
-                          s->key, text, number_expected(s, expected, sizeof expected));
+                          s->key, text, value_expected(s, expected, sizeof expected));
     }
     *number = n;
     return SHEAR_OK;

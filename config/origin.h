@@ -17,6 +17,9 @@ int config_find(const char *section, const char *key, size_t *index, shear_error
 /* Fill in the error of an unknown section, with the nearest name, and return its code. */
 int config_unknown_section(const char *section, shear_error *err);
 
+/* Return the index of a setting that exists. */
+size_t config_at(const char *section, const char *key);
+
 /* Describe where the setting comes from: "path:12", "command line", "default", or "earlier
  * configuration" for one that a reload could not change. Return buf. */
 char *config_where(const sheard_config *config, size_t index, char *buf, size_t size);
@@ -25,10 +28,11 @@ char *config_where(const sheard_config *config, size_t index, char *buf, size_t 
 char *place_in_file(const char *path, int line, char *buf, size_t size);
 
 /* Add a problem to the list; beyond SHEARD_PROBLEMS_KEPT it is only counted. problems_add returns
- * error->code. */
+ * error->code; problems_warn is about a setting. */
 int problems_add(sheard_problems *problems, const char *where, const shear_error *error);
-void problems_warn(sheard_problems *problems, const char *where, const char *advice,
-                   const char *format, ...) __attribute__((format(printf, 4, 5)));
+void problems_warn(sheard_problems *problems, const sheard_config *config, size_t index,
+                   const char *advice, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
 
 /* Load the file as sheard_config_load does; if `may_miss` is true, a missing file is not an error.
  */

@@ -79,16 +79,14 @@ static int sample_setting(FILE *out, const sheard_config *defaults, size_t i, sh
 
 int sheard_config_print_sample(FILE *out, shear_error *err) {
     CLEANUP(sheard_config_deinit) sheard_config defaults = {0};
-    int code = sheard_config_init(&defaults, err);
-    if (code != SHEAR_OK)
-        return code;
+    TRY(sheard_config_init(&defaults, err));
     fputs("# SPDX-License-Identifier: GPL-3.0-or-later\n"
           "# sheard.conf: the configuration of sheard.\n#\n",
           out);
     comment(out, preamble);
     fputs("#\n", out);
     comment(out, preamble_use);
-    for (size_t i = 0; i < sheard_settings_count() && code == SHEAR_OK; i++)
-        code = sample_setting(out, &defaults, i, err);
-    return code == SHEAR_OK ? text_flushed(out, err) : code;
+    for (size_t i = 0; i < sheard_settings_count(); i++)
+        TRY(sample_setting(out, &defaults, i, err));
+    return text_flushed(out, err);
 }

@@ -22,8 +22,9 @@ int problems_add(sheard_problems *problems, const char *where, const shear_error
     return error->code;
 }
 
-void problems_warn(sheard_problems *problems, const char *where, const char *advice,
-                   const char *format, ...) {
+void problems_warn(sheard_problems *problems, const sheard_config *config, size_t index,
+                   const char *advice, const char *format, ...) {
+    char where[sizeof problems->kept[0].where];
     shear_error warning = {0};
     va_list args;
     va_start(args, format);
@@ -31,7 +32,7 @@ void problems_warn(sheard_problems *problems, const char *where, const char *adv
     va_end(args);
     snprintf(warning.advice, sizeof warning.advice, "%s", advice != NULL ? advice : "");
     problems->n_warnings++;
-    keep(problems, where, true, &warning);
+    keep(problems, config_where(config, index, where, sizeof where), true, &warning);
 }
 
 char *place_in_file(const char *path, int line, char *buf, size_t size) {

@@ -54,35 +54,27 @@ static void exchange(sheard_config *a, sheard_config *b) {
     swap_bytes(&a->lines, &b->lines, sizeof a->lines);
 }
 
-static void warn_of_start(const sheard_config *running, const sheard_config *fresh,
-                          sheard_problems *problems) {
+/* Warn of the settings that keep their value although the file's line has another, and mark them.
+ */
+static void note_kept(sheard_config *running, const sheard_config *fresh,
+                      sheard_problems *problems) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
-        sheard_setting s = sheard_setting_at(i);
+        const sheard_setting s = sheard_setting_at(i);
         if (s.at_start && !sheard_config_same(running, fresh, i)) {
-            char where[sizeof problems->kept[0].where];
-            problems_warn(problems, config_where(fresh, i, where, sizeof where),
-                          "restart the daemon to apply it",
+            problems_warn(problems, running, i, "restart the daemon for it",
                           "[%s] %s: the change takes effect at the next start", s.section, s.key);
-        }
-    }
-}
-
-/* Mark the settings that keep their value although the file's line has another. */
-static void mark_earlier(sheard_config *running, const sheard_config *fresh) {
-    for (size_t i = 0; i < sheard_settings_count(); i++) {
-        if (sheard_setting_at(i).at_start && !sheard_config_same(running, fresh, i))
             running->lines[i] = ORIGIN_EARLIER;
+        }
     }
 }
 
 int sheard_config_reload(sheard_config *running, sheard_config *fresh, sheard_problems *problems) {
     exchange(running, fresh);
-    int code = sheard_config_check(running, problems);
-    exchange(running, fresh);
-    if (code != SHEAR_OK)
-        return code;
-    warn_of_start(running, fresh, problems);
-    exchange(running, fresh);
-    mark_earlier(running, fresh);
-    return SHEAR_OK;
+    const int code = sheard_config_check(running, problems);
+    if (code == SHEAR_OK) {
+        note_kept(running, fresh, problems);
+    } else {
+        exchange(running, fresh);
+    }
+    return code;
 }

@@ -4,6 +4,7 @@
 #include "table.h"
 
 #include "base/spelling.h"
+#include "origin.h"
 
 #include <assert.h>
 #include <string.h>
@@ -65,6 +66,12 @@ ptrdiff_t sheard_setting_find(const char *section, const char *key) {
             return (ptrdiff_t)i;
     }
     return -1;
+}
+
+size_t config_at(const char *section, const char *key) {
+    const ptrdiff_t index = sheard_setting_find(section, key);
+    assert(index >= 0);
+    return (size_t)index;
 }
 
 const char *sheard_section_help(const char *section) {

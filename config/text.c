@@ -26,15 +26,11 @@ void text_wrap(FILE *out, const char *text, int column, const char *indent) {
     fputc('\n', out);
 }
 
-static void expect_choice(const char *const *choices, char *buf, size_t size) {
-    text_set(buf, size, "one of: ");
-    text_list(buf + strlen(buf), size - strlen(buf), choices);
-}
-
 static void expect_measure(const shear_setting_def *def, char *buf, size_t size) {
     const char *kind = def->type == SHEAR_T_INT ? "a whole number" : "a number";
     if (def->type == SHEAR_T_CHOICE) {
-        expect_choice(def->choices, buf, size);
+        text_set(buf, size, "one of: ");
+        text_list(buf + strlen(buf), size - strlen(buf), def->choices);
         return;
     }
     if (def->type == SHEAR_T_BOOL) {
@@ -49,43 +45,14 @@ static void expect_measure(const shear_setting_def *def, char *buf, size_t size)
         text_append(buf, size, ", or %s", shear_setting_auto(def));
 }
 
-static void expect(const sheard_setting *s, char *buf, size_t size) {
-    switch (s->type) {
-    case SHEARD_T_PATH:
-        text_set(buf, size, "an absolute path");
-        if (s->word != NULL)
-            text_append(buf, size, ", or %s", s->word);
-        break;
-    case SHEARD_T_NAME:
-        text_set(buf, size, "a name, or empty");
-        break;
-    case SHEARD_T_PATHS:
-        text_set(buf, size, "absolute paths, separated by commas");
-        break;
-    case SHEARD_T_NAMES:
-        text_set(buf, size, "names, separated by commas");
-        break;
-    case SHEARD_T_CHOICE:
-        expect_choice(s->choices, buf, size);
-        break;
-    case SHEARD_T_BOOL:
-        text_set(buf, size, "true or false");
-        break;
-    case SHEARD_T_MEASURE:
-        expect_measure(s->measure, buf, size);
-        break;
-    default:
-        (void)number_expected(s, buf, size);
-        break;
-    }
-}
-
 char *text_expected(const sheard_setting *s, char *buf, size_t size) {
-    expect(s, buf, size - 1);
+    if (s->type == SHEARD_T_MEASURE) {
+        expect_measure(s->measure, buf, size - 1);
+    } else {
+        value_expected(s, buf, size - 1);
+    }
     buf[0] = (char)toupper((unsigned char)buf[0]);
-    size_t length = strlen(buf);
-    buf[length] = '.';
-    buf[length + 1] = '\0';
+    text_append(buf, size, ".");
     return buf;
 }
 

@@ -99,10 +99,9 @@ static int parse_item(const sheard_setting *s, const char *text, size_t n, char 
     if (is_path(s)) {
         tidy_path(copy); /* before the check: "/a /" becomes "/a ", which cannot be written */
     }
-    const int code = check_item(s, copy, err);
-    if (code == SHEAR_OK)
-        *item = CLEANUP_TAKE(copy);
-    return code;
+    TRY(check_item(s, copy, err));
+    *item = CLEANUP_TAKE(copy);
+    return SHEAR_OK;
 }
 
 /* ---- lists: items separated by commas and line ends; empty items are ignored ---- */
@@ -148,11 +147,10 @@ static int parse_list(const sheard_setting *s, const char *text, sheard_list *ou
 
 static int parse_choice(const sheard_setting *s, const char *text, int *choice, shear_error *err) {
     char known[120];
-    for (int i = 0; s->choices[i] != NULL; i++) {
-        if (spelling_same(s->choices[i], text)) {
-            *choice = i;
-            return SHEAR_OK;
-        }
+    const int found = spelling_find(s->choices, text);
+    if (found >= 0) {
+        *choice = found;
+        return SHEAR_OK;
     }
     text_list(known, sizeof known, s->choices);
     return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.60s' is not one of: %s", s->section,
@@ -160,13 +158,8 @@ static int parse_choice(const sheard_setting *s, const char *text, int *choice, 
 }
 
 static int parse_bool(const sheard_setting *s, const char *text, bool *flag, shear_error *err) {
-    static const char *const words[] = {"false", "true", "no", "yes", "off", "on", "0", "1"};
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        if (strcmp(words[i], text) == 0) {
-            *flag = i % 2 == 1;
-            return SHEAR_OK;
-        }
-    }
+    if (text_to_bool(text, flag))
+        return SHEAR_OK;
     return shear_fail(err, SHEAR_E_SETTING, NULL,
                       "[%s] %s: '%.60s' is not one of: true, false (or yes, no, on, off, 1, 0)",
                       s->section, s->key, text);
@@ -174,10 +167,9 @@ static int parse_bool(const sheard_setting *s, const char *text, bool *flag, she
 
 static int parse_mode(const sheard_setting *s, const char *text, unsigned *mode, shear_error *err) {
     int64_t number = 0;
-    const int code = number_parse(s, text, &number, err);
-    if (code == SHEAR_OK)
-        *mode = (unsigned)number;
-    return code;
+    TRY(number_parse(s, text, &number, err));
+    *mode = (unsigned)number;
+    return SHEAR_OK;
 }
 
 int value_parse(const sheard_setting *s, const char *text, value *parsed, shear_error *err) {

@@ -16,8 +16,11 @@ typedef union value {
 } value;
 
 bool value_is_list(const sheard_setting *s);
-/* Return the C type of the member of a setting that is not a list. */
-enum member_type value_member_type(const sheard_setting *s);
+/* Return the word for a value in the usage of an option: "PATH". */
+const char *value_placeholder(const sheard_setting *s);
+/* Describe the values allowed: "a whole number of jobs from 1 to 1024, or auto". Not for
+ * SHEARD_T_MEASURE. Return buf. */
+char *value_expected(const sheard_setting *s, char *buf, size_t size);
 
 /* Parse `text`, without white space around it, as the value of `s`. On SHEAR_OK the caller owns
  * *parsed, otherwise it is unchanged. The message of SHEAR_E_SETTING names the setting, the text
@@ -30,9 +33,6 @@ int number_parse(const sheard_setting *s, const char *text, int64_t *number, she
 /* Format a number according to the setting's type, with the largest unit that leaves a whole
  * number: "90s", "4K", "0660"; or the word for 0, if there is one. Return buf. */
 char *number_format(const sheard_setting *s, int64_t number, char *buf, size_t size);
-
-/* Describe the numbers allowed: "a whole number from 1 to 1024, or auto". Return buf. */
-char *number_expected(const sheard_setting *s, char *buf, size_t size);
 
 /* Format a value, from malloc; lists are joined with ", ". Return NULL if out of memory. */
 char *value_format(const sheard_setting *s, const void *member);

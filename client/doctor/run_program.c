@@ -3,6 +3,7 @@
 
 #include "base/cleanup.h"
 #include "base/clock.h"
+#include "base/io.h"
 #include "base/text.h"
 
 #include <errno.h>
@@ -102,11 +103,8 @@ static char *search(const char *directories, const char *name) {
 /* Look beside this program, and in ../sbin. */
 static char *find_beside(const char *name) {
     char own[4096];
-    const ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
-    if (n <= 0)
+    if (io_own_directory(own, sizeof own) != 0)
         return NULL;
-    own[n] = '\0';
-    *strrchr(own, '/') = '\0';
     char *found = find_in(own, strlen(own), name);
     return found != NULL || !text_append(own, sizeof own, "/../sbin")
                ? found

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/program.h"
 
-#include "base/cleanup.h"
+#include "base/io.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,22 +13,13 @@
 static const char *const places[] = {"sheard-reader", READER_FROM_DAEMON};
 enum { N_PLACES = sizeof places / sizeof places[0] };
 
-/* Find the directory of the running program. */
-static int own_directory(char *out, size_t size, shear_error *err) {
-    const ssize_t n = readlink("/proc/self/exe", out, size);
-    if (n <= 0 || (size_t)n >= size) {
-        return shear_fail(err, SHEAR_E_IO, "mount /proc, which sheard needs",
-                          "/proc/self/exe cannot be read: %s",
-                          strerror(n < 0 ? errno : ENAMETOOLONG));
-    }
-    out[n] = '\0';
-    *strrchr(out, '/') = '\0';
-    return SHEAR_OK;
-}
-
 int reader_find_program(char *path, size_t size, shear_error *err) {
     char directory[PATH_MAX];
-    TRY(own_directory(directory, sizeof directory, err));
+    const int error = io_own_directory(directory, sizeof directory);
+    if (error != 0) {
+        return shear_fail(err, SHEAR_E_IO, "mount /proc, which sheard needs",
+                          "/proc/self/exe cannot be read: %s", strerror(error));
+    }
     for (int i = 0; i < N_PLACES; i++) {
         const int n = snprintf(path, size, "%s/%s", directory, places[i]);
         if (n > 0 && (size_t)n < size && access(path, X_OK) == 0)

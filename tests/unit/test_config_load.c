@@ -251,15 +251,18 @@ static void many_errors(void **state) {
 static void problems_without_errors(void **state) {
     (void)state;
     shear_error err = {0};
+    sheard_config config;
+    assert_int_equal(sheard_config_init(&config, NULL), SHEAR_OK);
     problems = (sheard_problems){0};
     assert_int_equal(sheard_problems_error(&problems, &err), SHEAR_OK);
     for (int i = 0; i < 25; i++)
-        problems_warn(&problems, "here", NULL, "warning %d", i);
+        problems_warn(&problems, &config, 0, NULL, "warning %d", i);
     assert_int_equal(sheard_problems_error(&problems, &err), SHEAR_OK);
     err = (shear_error){.code = SHEAR_E_IO, .message = "late"};
     assert_int_equal(problems_add(&problems, "there", &err), SHEAR_E_IO);
     assert_int_not_equal(sheard_problems_error(&problems, &err), SHEAR_OK);
     assert_non_null(strstr(err.message, "has 1 error"));
+    sheard_config_deinit(&config);
 }
 
 static void places(void **state) {
