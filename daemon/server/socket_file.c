@@ -12,12 +12,12 @@
  *   5. listen: clients can connect only from now on. */
 #include "server/socket_file.h"
 
+#include "base/accounts.h"
 #include "base/cleanup.h"
 #include "base/fingerprint.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <grp.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -137,20 +137,15 @@ static int remove_stale(const struct sockaddr_un *address, shear_error *err) {
 /* ---- the new file ---- */
 
 static int find_group(gid_t *gid, const char *group, const char *path, shear_error *err) {
-    struct group entry;
-    struct group *found = NULL;
-    char text[16384];
     *gid = (gid_t)-1;
     if (group == NULL || *group == '\0')
         return SHEAR_OK;
-    const int rc = getgrnam_r(group, &entry, text, sizeof text, &found);
-    if (rc != 0 || found == NULL) {
-        return shear_fail(err, SHEAR_E_SETTING, "correct [daemon] socket_group in sheard.conf",
-                          "socket '%s': there is no group '%s'%s%s", path, group,
-                          rc != 0 ? ": " : "", rc != 0 ? strerror(rc) : "");
-    }
-    *gid = found->gr_gid;
-    return SHEAR_OK;
+    const int error = accounts_find_group(group, gid);
+    if (error == 0)
+        return SHEAR_OK;
+    return shear_fail(err, SHEAR_E_SETTING, "correct [daemon] socket_group in sheard.conf",
+                      "socket '%s': there is no group '%s'%s%s", path, group,
+                      error != ENOENT ? ": " : "", error != ENOENT ? strerror(error) : "");
 }
 
 /* Report a failed lchown. EPERM: a user may give files only to its own groups, and a unit may
