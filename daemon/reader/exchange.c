@@ -132,7 +132,9 @@ static bool is_reply_to(const reader_request *request, const reader_reply *reply
 static int converse(reader *r, const reader_request *request, const char *what, reader_reply *reply,
                     shear_error *err) {
     shear_error why;
-    if (send(r->socket, request, sizeof *request, MSG_NOSIGNAL) == (ssize_t)sizeof *request) {
+    reader_request sent = *request;
+    sent.version = READER_WIRE_VERSION;
+    if (send(r->socket, &sent, sizeof sent, MSG_NOSIGNAL) == (ssize_t)sizeof sent) {
         const int waited = wait_for_answer(r, &why);
         if (waited == SHEAR_E_FULL || waited == SHEAR_E_FORMAT)
             return evict(r, &why, err);

@@ -46,7 +46,7 @@ static int launch(reader *r, const shear_input *input, const int *fds,
 
 static int open_field(reader *r, shear_error *err) {
     static const char what[] = "open the file";
-    const reader_request request = {.version = READER_WIRE_VERSION, .op = READER_OPEN};
+    const reader_request request = {.op = READER_OPEN};
     reader_reply reply;
     TRY(exchange_ask(r, &request, what, &reply, err));
     if (!validate_info(&reply.info))
@@ -109,7 +109,7 @@ unsigned reader_get_guards(const reader *r) {
 int reader_checksum(reader *r, char out[SHEAR_CHECKSUM_SIZE], atomic_llong *hashed,
                     shear_error *err) {
     static const char what[] = "read the whole file";
-    const reader_request request = {.version = READER_WIRE_VERSION, .op = READER_HASH};
+    const reader_request request = {.op = READER_HASH};
     reader_reply reply = {.hashed = 0};
     for (int64_t before = 0;; before = reply.hashed) {
         TRY(exchange_ask(r, &request, what, &reply, err));
@@ -160,8 +160,7 @@ int reader_map(reader *r, int slots, int capacity, shear_error *err) {
     r->blocks = calloc((size_t)slots, sizeof *r->blocks);
     if (r->blocks == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d blocks", slots);
-    const reader_request request = {.version = READER_WIRE_VERSION,
-                                    .op = READER_MAP,
+    const reader_request request = {.op = READER_MAP,
                                     .slots = slots,
                                     .capacity = capacity,
                                     .slot_bytes = (int64_t)r->slot_bytes,
@@ -175,8 +174,7 @@ int64_t reader_shared_bytes(const reader *r) {
 }
 
 int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *err) {
-    const reader_request request = {
-        .version = READER_WIRE_VERSION, .op = READER_PSF, .first = index};
+    const reader_request request = {.op = READER_PSF, .first = index};
     reader_reply reply;
     *psf = (const double *)(void *)r->memory;
     return exchange_ask(r, &request, "read a PSF", &reply, err);
@@ -185,11 +183,8 @@ int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *e
 int reader_read(void *self, int slot, int64_t first, int count, const shear_block **block,
                 shear_error *err) {
     reader *r = self;
-    const reader_request request = {.version = READER_WIRE_VERSION,
-                                    .op = READER_STAMPS,
-                                    .slot = slot,
-                                    .first = first,
-                                    .count = count};
+    const reader_request request = {
+        .op = READER_STAMPS, .slot = slot, .first = first, .count = count};
     reader_reply reply;
     assert(slot >= 0 && slot < r->slots && count >= 0 && count <= r->capacity);
     shear_block *b = &r->blocks[slot];

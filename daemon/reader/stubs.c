@@ -3,17 +3,7 @@
  * to, for a reader with CFITSIO linked as an archive. The reader uses neither: it reads the
  * descriptors that it was given, and has no network. Without libcurl and the thirty libraries that
  * come with it a reader starts much faster, and an attacker who exploits CFITSIO finds less code.
- */
-
-void *curl_easy_init(void);
-int curl_easy_setopt(void *handle, int option, ...);
-int curl_easy_perform(void *handle);
-void curl_easy_cleanup(void *handle);
-int curl_global_init(long flags);
-void curl_global_cleanup(void);
-void *BZ2_bzReadOpen(int *error, void *file, int verbosity, int is_small, void *unused, int n);
-int BZ2_bzRead(int *error, void *file, void *out, int n);
-void BZ2_bzReadClose(int *error, void *file);
+ * The build allows unused parameters here, and functions that no header declares. */
 
 enum { CURL_FAILED_INIT = 2, BZ_CONFIG_ERROR = -9 }; /* as in their headers */
 
@@ -22,22 +12,17 @@ void *curl_easy_init(void) {
 }
 
 int curl_easy_setopt(void *handle, int option, ...) {
-    (void)handle;
-    (void)option;
     return CURL_FAILED_INIT;
 }
 
 int curl_easy_perform(void *handle) {
-    (void)handle;
     return CURL_FAILED_INIT;
 }
 
 void curl_easy_cleanup(void *handle) {
-    (void)handle;
 }
 
 int curl_global_init(long flags) {
-    (void)flags;
     return CURL_FAILED_INIT;
 }
 
@@ -45,24 +30,15 @@ void curl_global_cleanup(void) {
 }
 
 void *BZ2_bzReadOpen(int *error, void *file, int verbosity, int is_small, void *unused, int n) {
-    (void)file;
-    (void)verbosity;
-    (void)is_small;
-    (void)unused;
-    (void)n;
     *error = BZ_CONFIG_ERROR;
     return 0;
 }
 
 int BZ2_bzRead(int *error, void *file, void *out, int n) {
-    (void)file;
-    (void)out;
-    (void)n;
     *error = BZ_CONFIG_ERROR;
     return 0;
 }
 
 void BZ2_bzReadClose(int *error, void *file) {
-    (void)file;
     *error = 0;
 }
