@@ -12,7 +12,6 @@ pkg_check_modules(GMP REQUIRED IMPORTED_TARGET gmp)              # core/exact
 pkg_check_modules(GSL REQUIRED IMPORTED_TARGET gsl)              # mocks, validation, tests
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)          # figures
 pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET jansson)      # protocol
-pkg_check_modules(INIH REQUIRED IMPORTED_TARGET inih)            # config
 pkg_check_modules(SECCOMP REQUIRED IMPORTED_TARGET libseccomp)   # daemon/reader
 pkg_check_modules(UV REQUIRED IMPORTED_TARGET libuv)             # daemon
 pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET sqlite3>=3.37)       # daemon/store

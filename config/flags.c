@@ -6,7 +6,6 @@
 #include "value.h"
 
 #include <getopt.h>
-#include <stdlib.h>
 #include <string.h>
 
 size_t sheard_flags_fill(struct option *options, size_t capacity) {

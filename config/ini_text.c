@@ -1,33 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Read lines on behalf of inih, and find what it ignores. inih reports values, but neither lines
- * nor sections, and only the first bad line. So next_line examines each line before inih reads it,
- * and settle checks that it had the expected effect. */
 #include "ini_text.h"
 
-#include <assert.h>
 #include <ctype.h>
-#include <ini.h>
 #include <stdio.h>
 #include <string.h>
 
 struct reader {
-    const char *at, *end;
     int line;
-    bool indented; /* the line begins with white space */
-    bool has_key;  /* this section has a key already: an indented line continues it */
-    bool expects;  /* the line should become a value */
+    bool has_key; /* this section has a key already: an indented line continues it */
     const ini_events *events;
 };
 
 static void fault(const struct reader *r, const char *advice, const char *message) {
     r->events->fault(r->events->context, r->line, advice, message);
-}
-
-/* Report the last line if it should have become a value and did not: it has no '='. */
-static void settle(struct reader *r) {
-    if (r->expects)
-        fault(r, "write key = value; comments begin with '#' or ';'", "this line has no '='");
-    r->expects = false;
 }
 
 static bool is_blank(char c) {
@@ -43,95 +28,28 @@ static size_t leading_blanks(const char *p, size_t n) {
 
 static bool has_control(const char *p, size_t n) {
     for (size_t i = 0; i < n; i++) {
-        bool line_end = p[i] == '\r' && i + 1 == n;
+        const bool line_end = p[i] == '\r' && i + 1 == n;
         if (iscntrl((unsigned char)p[i]) && p[i] != '\t' && !line_end)
             return true;
     }
     return false;
 }
 
-/* Report the section of the line p[0..n), which begins with '[', and its faults. */
-static void read_section(struct reader *r, const char *p, size_t n) {
-    char name[64];
-    const char *close = memchr(p, ']', n);
-    const char *first = p + 1 + leading_blanks(p + 1, n - 1);
-    const char *last = close != NULL ? close : p + n;
-    while (last > first && is_blank(last[-1]))
-        last--;
-    snprintf(name, sizeof name, "%.*s", (int)(last - first), first);
-    if (close == NULL) {
-        fault(r, "write [section]", "this section has no ']'");
-    } else {
-        const char *rest = close + 1;
-        rest += leading_blanks(rest, (size_t)(p + n - rest));
-        if (rest < p + n && *rest != ';' && *rest != '#')
-            fault(r, "settings go on lines of their own", "there is text after the section's ']'");
-    }
-    r->has_key = false;
-    r->events->section(r->events->context, r->line, name);
+/* Return the text without white space at its ends; it is cut. */
+static char *trim(char *text) {
+    size_t n = strlen(text);
+    while (n > 0 && is_blank(text[n - 1]))
+        n--;
+    text[n] = '\0';
+    return text + leading_blanks(text, n);
 }
 
-enum kind { LINE_EMPTY, LINE_SECTION, LINE_VALUE };
-
-/* Determine the kind of the line p[0..n) and report its faults. inih takes at most `most` bytes. */
-static enum kind examine(struct reader *r, const char *p, size_t n, size_t most) {
-    size_t i = leading_blanks(p, n);
-    r->indented = i > 0;
-    bool empty = i == n || p[i] == '#' || p[i] == ';';
-    if (empty && memchr(p, '\0', n) == NULL)
-        return LINE_EMPTY;
-    if (has_control(p, n)) {
-        fault(r, "is this a text file?", "this line has control characters");
-        return LINE_EMPTY;
-    }
-    if (n > most) {
-        char message[96];
-        snprintf(message, sizeof message, "this line has %zu bytes; at most %zu are possible", n,
-                 most);
-        fault(r, "a list may go on in further lines that begin with a space", message);
-        return LINE_EMPTY;
-    }
-    if (p[i] == '[' && !(r->indented && r->has_key)) {
-        read_section(r, p + i, n - i);
-        return LINE_SECTION;
-    }
-    return LINE_VALUE;
-}
-
-/* Read the next line for inih, like fgets. Each section line becomes "[x]", so that inih accepts
- * it. */
-static char *next_line(char *buf, int size, void *stream) {
-    struct reader *r = stream;
-    settle(r);
-    if (r->at == r->end || size < 8)
-        return NULL;
-    const char *newline = memchr(r->at, '\n', (size_t)(r->end - r->at));
-    const char *p = r->at;
-    size_t n = (size_t)((newline != NULL ? newline : r->end) - p);
-    r->at = newline != NULL ? newline + 1 : r->end;
-    r->line++;
-    enum kind kind = examine(r, p, n, (size_t)size - 2);
-    r->expects = kind == LINE_VALUE;
-    if (kind == LINE_VALUE) {
-        snprintf(buf, (size_t)size, "%.*s\n", (int)n, p);
-    } else {
-        snprintf(buf, (size_t)size, "%s", kind == LINE_SECTION ? "[x]\n" : "\n");
-    }
-    return buf;
-}
-
-/* Remove the comment from a further line of a value, where inih leaves it. */
-static void cut_comment(char *text) {
-    size_t end = strlen(text);
-    for (size_t i = 0; text[i] != '\0'; i++) {
-        if (text[i] == ';' && (i == 0 || is_blank(text[i - 1]))) {
-            end = i;
-            break;
-        }
-    }
-    while (end > 0 && is_blank(text[end - 1]))
-        end--;
-    text[end] = '\0';
+/* Return the first of `stops` in the text, or the ';' of a comment, or the end. */
+static char *find(char *text, const char *stops) {
+    char *p = text;
+    while (*p != '\0' && strchr(stops, *p) == NULL && !(*p == ';' && p > text && is_blank(p[-1])))
+        p++;
+    return p;
 }
 
 static bool has_hash_comment(const char *value) {
@@ -142,34 +60,86 @@ static bool has_hash_comment(const char *value) {
     return false;
 }
 
-/* Pass a value on; inih's handler. */
-static int on_value(void *user, const char *section, const char *key, const char *value) {
-    struct reader *r = user;
-    (void)section;
-    bool continued = r->indented && r->has_key;
-    char text[512];
-    snprintf(text, sizeof text, "%s", value);
-    if (continued)
-        cut_comment(text);
-    r->expects = false;
-    r->has_key = key[0] != '\0';
-    if (has_hash_comment(text)) {
-        fault(r, "begin the comment with ' ;', or put it on a line of its own",
-              "'#' does not begin a comment after a value");
-    } else if (key[0] == '\0') {
-        fault(r, "write key = value", "there is no key before the '='");
+/* Read a line that begins with '['. */
+static void read_section(struct reader *r, char *text) {
+    char *close = strchr(text, ']');
+    if (close == NULL) {
+        fault(r, "write [section]", "this section has no ']'");
     } else {
-        r->events->value(r->events->context, r->line, key, text, continued);
+        *close = '\0';
+        const char *rest = trim(close + 1);
+        if (*rest != '\0' && *rest != ';' && *rest != '#')
+            fault(r, "settings go on lines of their own", "there is text after the section's ']'");
     }
-    return 1;
+    r->has_key = false;
+    r->events->section(r->events->context, r->line, trim(text + 1));
 }
 
-int ini_text_read(const char *text, size_t size, const ini_events *events, shear_error *err) {
+/* Read "key = value", or with key NULL the value alone. */
+static void read_value(struct reader *r, const char *key, char *value) {
+    *find(value, "") = '\0';
+    value = trim(value);
+    if (has_hash_comment(value)) {
+        fault(r, "begin the comment with ' ;', or put it on a line of its own",
+              "'#' does not begin a comment after a value");
+    } else if (key != NULL && key[0] == '\0') {
+        fault(r, "write key = value", "there is no key before the '='");
+    } else {
+        r->events->value(r->events->context, r->line, key, value);
+    }
+}
+
+/* Read a line that begins with a key. */
+static void read_key(struct reader *r, char *text) {
+    char *equals = find(text, "=:");
+    if (*equals != '=' && *equals != ':') {
+        fault(r, "write key = value; comments begin with '#' or ';'", "this line has no '='");
+        return;
+    }
+    *equals = '\0';
+    const char *key = trim(text);
+    r->has_key = key[0] != '\0';
+    read_value(r, key, equals + 1);
+}
+
+/* Read the line p[0..n). */
+static void read_line(struct reader *r, const char *p, size_t n) {
+    char text[INI_LINE_MAX + 1];
+    const size_t indent = leading_blanks(p, n);
+    const bool empty = indent == n || p[indent] == '#' || p[indent] == ';';
+    if (empty && memchr(p, '\0', n) == NULL)
+        return;
+    if (has_control(p, n)) {
+        fault(r, "is this a text file?", "this line has control characters");
+        return;
+    }
+    if (n > INI_LINE_MAX) {
+        snprintf(text, sizeof text, "this line has %zu bytes; at most %d are possible", n,
+                 INI_LINE_MAX);
+        fault(r, "a list may go on in further lines that begin with a space", text);
+        return;
+    }
+    snprintf(text, sizeof text, "%.*s", (int)(n - indent), p + indent);
+    if (indent > 0 && r->has_key) {
+        read_value(r, NULL, text);
+    } else if (text[0] == '[') {
+        read_section(r, text);
+    } else {
+        read_key(r, text);
+    }
+}
+
+void ini_text_read(const char *text, size_t size, const ini_events *events) {
     static const char mark[] = "\xef\xbb\xbf";
-    size_t skip = size >= 3 && memcmp(text, mark, 3) == 0 ? 3 : 0;
-    struct reader r = {.at = text + skip, .end = text + size, .events = events};
-    int code = ini_parse_stream(next_line, &r, on_value, &r);
-    if (code == -2)
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for reading the configuration");
-    return SHEAR_OK;
+    const char *end = text + size;
+    struct reader r = {.events = events};
+    if (size >= 3 && memcmp(text, mark, 3) == 0)
+        text += 3;
+    while (text < end) {
+        const char *newline = memchr(text, '\n', (size_t)(end - text));
+        const char *line_end = newline != NULL ? newline : end;
+        r.line++;
+        read_line(&r, text, (size_t)(line_end - text));
+        text = newline != NULL ? newline + 1 : end;
+    }
 }

@@ -106,9 +106,9 @@ static bool identify(loader *l, int line, const char *key) {
     return true;
 }
 
-static void on_value(void *context, int line, const char *key, const char *text, bool continued) {
+static void on_value(void *context, int line, const char *key, const char *text) {
     loader *l = context;
-    if (continued) {
+    if (key == NULL) {
         continue_value(l, line, text);
         return;
     }
@@ -124,13 +124,12 @@ static void on_value(void *context, int line, const char *key, const char *text,
 static int load_text(loader *l, const char *text, size_t size) {
     ini_events events = {l, on_section, on_value, on_fault};
     l->seen = calloc(sheard_settings_count(), sizeof *l->seen);
-    if (l->seen == NULL) {
+    if (l->seen == NULL)
         return shear_fail(&l->error, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
-    }
-    int code = ini_text_read(text, size, &events, &l->error);
+    ini_text_read(text, size, &events);
     flush(l);
     free(l->seen);
-    return code != SHEAR_OK ? code : l->code;
+    return l->code;
 }
 
 /* Record the file's path, and clear the origins of all values. */

@@ -91,8 +91,8 @@ int number_parse(const sheard_setting *s, const char *text, int64_t *number, she
     int64_t n = 0;
     char expected[128];
     if (!read_number(s, text, &n) || n < s->min || n > s->max) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.60s' is not %s", s->section,
-                          s->key, text, value_expected(s, expected, sizeof expected));
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "'%.60s' is not %s", text,
+                          value_expected(s, expected, sizeof expected));
     }
     *number = n;
     return SHEAR_OK;

@@ -12,12 +12,6 @@ static void assign_all(sheard_config *config, const sheard_list *assignments,
     }
 }
 
-/* Return the code of the first error, or SHEAR_OK if there are no more than `before`. */
-static int first_code(const sheard_problems *problems, size_t before) {
-    shear_error error;
-    return problems->n_errors == before ? SHEAR_OK : sheard_problems_error(problems, &error);
-}
-
 int sheard_config_read(sheard_config *config, const char *path, const sheard_list *assignments,
                        sheard_problems *problems) {
     shear_error error;
@@ -28,10 +22,10 @@ int sheard_config_read(sheard_config *config, const char *path, const sheard_lis
     assign_all(config, assignments, problems);
     if (problems->n_errors == before)
         (void)sheard_config_check(config, problems);
-    int code = first_code(problems, before);
-    if (code != SHEAR_OK)
-        sheard_config_deinit(config);
-    return code;
+    if (problems->n_errors == before)
+        return SHEAR_OK;
+    sheard_config_deinit(config);
+    return sheard_problems_error(problems, &error);
 }
 
 static const char *plural(size_t n) {

@@ -4,7 +4,7 @@
 
 #include "sheard/config.h"
 
-/* Longest texts in bytes. A line of inih has 198, and a path that is printed must be loaded again.
+/* Longest texts in bytes. A line has INI_LINE_MAX, and a path that is printed must be loaded again.
  */
 enum { CONFIG_PATH_MAX = 180, CONFIG_SOCKET_MAX = 107, CONFIG_NAME_MAX = 32 };
 

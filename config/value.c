@@ -36,23 +36,23 @@ static bool has_unwritable(const char *text) {
 static int check_path(const sheard_setting *s, const char *text, shear_error *err) {
     if (text[0] != '/') {
         return shear_fail(err, SHEAR_E_SETTING, "write the whole path, beginning with '/'",
-                          "[%s] %s: '%.200s' is not an absolute path", s->section, s->key, text);
+                          "'%.200s' is not an absolute path", text);
     }
     if (strlen(text) > (size_t)s->max) {
         return shear_fail(err, SHEAR_E_SETTING, "choose a shorter path, or make a symbolic link",
-                          "[%s] %s: the path has %zu bytes; at most %d are possible", s->section,
-                          s->key, strlen(text), (int)s->max);
+                          "the path has %zu bytes; at most %d are possible", strlen(text),
+                          (int)s->max);
     }
     if (has_dots(text)) {
-        return shear_fail(err, SHEAR_E_SETTING, "write the path without them",
-                          "[%s] %s: '%.200s' has a part '.' or '..'", s->section, s->key, text);
+        return shear_fail(err, SHEAR_E_SETTING, "write the path that is meant",
+                          "'%.200s' has a part '.' or '..'", text);
     }
     if (has_unwritable(text) || (s->type == SHEARD_T_PATHS && strchr(text, ',') != NULL)) {
         return shear_fail(
             err, SHEAR_E_SETTING, "rename it, or make a symbolic link",
-            "[%s] %s: '%.200s' has a character that cannot be written here (control characters, "
+            "'%.200s' has a character that cannot be written here (control characters, "
             "' ;', ' #', commas in lists)",
-            s->section, s->key, text);
+            text);
     }
     return SHEAR_OK;
 }
@@ -73,8 +73,7 @@ static int check_name(const sheard_setting *s, const char *text, shear_error *er
     static const char letters[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-$@\\";
     if (strlen(text) > (size_t)s->max || text[0] == '-' || text[strspn(text, letters)] != '\0') {
-        return shear_fail(err, SHEAR_E_SETTING, NULL,
-                          "[%s] %s: '%.60s' is not the name of a user or group", s->section, s->key,
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "'%.60s' is not the name of a user or group",
                           text);
     }
     return SHEAR_OK;
@@ -82,12 +81,6 @@ static int check_name(const sheard_setting *s, const char *text, shear_error *er
 
 static bool is_path(const sheard_setting *s) {
     return s->type == SHEARD_T_PATH || s->type == SHEARD_T_PATHS;
-}
-
-static int check_item(const sheard_setting *s, const char *item, shear_error *err) {
-    if (s->word != NULL && strcmp(item, s->word) == 0)
-        return SHEAR_OK;
-    return is_path(s) ? check_path(s, item, err) : check_name(s, item, err);
 }
 
 /* Make a tidied and checked copy of text[0..n). */
@@ -99,7 +92,8 @@ static int parse_item(const sheard_setting *s, const char *text, size_t n, char 
     if (is_path(s)) {
         tidy_path(copy); /* before the check: "/a /" becomes "/a ", which cannot be written */
     }
-    TRY(check_item(s, copy, err));
+    if (s->word == NULL || strcmp(copy, s->word) != 0)
+        TRY(is_path(s) ? check_path(s, copy, err) : check_name(s, copy, err));
     *item = CLEANUP_TAKE(copy);
     return SHEAR_OK;
 }
@@ -118,10 +112,8 @@ static int add_item(const sheard_setting *s, sheard_list *list, const char *text
                     shear_error *err) {
     CLEANUP(release_free) char *item = NULL;
     TRY(parse_item(s, text, n, &item, err));
-    if (contains(list, item)) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.200s' is listed twice",
-                          s->section, s->key, item);
-    }
+    if (contains(list, item))
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "'%.200s' is listed twice", item);
     return sheard_list_append(list, item, err);
 }
 
@@ -153,16 +145,14 @@ static int parse_choice(const sheard_setting *s, const char *text, int *choice, 
         return SHEAR_OK;
     }
     text_list(known, sizeof known, s->choices);
-    return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.60s' is not one of: %s", s->section,
-                      s->key, text, known);
+    return shear_fail(err, SHEAR_E_SETTING, NULL, "'%.60s' is not one of: %s", text, known);
 }
 
-static int parse_bool(const sheard_setting *s, const char *text, bool *flag, shear_error *err) {
+static int parse_bool(const char *text, bool *flag, shear_error *err) {
     if (text_to_bool(text, flag))
         return SHEAR_OK;
     return shear_fail(err, SHEAR_E_SETTING, NULL,
-                      "[%s] %s: '%.60s' is not one of: true, false (or yes, no, on, off, 1, 0)",
-                      s->section, s->key, text);
+                      "'%.60s' is not one of: true, false (or yes, no, on, off, 1, 0)", text);
 }
 
 static int parse_mode(const sheard_setting *s, const char *text, unsigned *mode, shear_error *err) {
@@ -172,7 +162,7 @@ static int parse_mode(const sheard_setting *s, const char *text, unsigned *mode,
     return SHEAR_OK;
 }
 
-int value_parse(const sheard_setting *s, const char *text, value *parsed, shear_error *err) {
+static int parse(const sheard_setting *s, const char *text, value *parsed, shear_error *err) {
     switch (s->type) {
     case SHEARD_T_PATH:
     case SHEARD_T_NAME:
@@ -183,10 +173,15 @@ int value_parse(const sheard_setting *s, const char *text, value *parsed, shear_
     case SHEARD_T_CHOICE:
         return parse_choice(s, text, &parsed->member.number, err);
     case SHEARD_T_BOOL:
-        return parse_bool(s, text, &parsed->member.flag, err);
+        return parse_bool(text, &parsed->member.flag, err);
     case SHEARD_T_MODE:
         return parse_mode(s, text, &parsed->member.bits, err);
     default:
         return number_parse(s, text, &parsed->member.count, err);
     }
+}
+
+int value_parse(const sheard_setting *s, const char *text, value *parsed, shear_error *err) {
+    const int code = parse(s, text, parsed, err);
+    return code == SHEAR_E_SETTING ? shear_prefix(err, code, "[%s] %s", s->section, s->key) : code;
 }

@@ -51,8 +51,27 @@ void shear_settings_init(shear_settings *s) {
     apply_preset(s, SHEAR_PRESET_DEFAULT);
 }
 
-static int set_choice(int *value, const shear_setting_def *def, const char *text,
-                      shear_error *err) {
+/* Return whether a number is the value for the word shear_setting_auto. */
+static bool is_auto(const shear_setting_def *def, double value) {
+    return def->type == SHEAR_T_INT ? def->has_auto && value == 0.0 : isnan(value);
+}
+
+static bool in_range(const shear_setting_def *def, double value) {
+    int n = 0;
+    switch (def->type) {
+    case SHEAR_T_CHOICE:
+        while (def->choices[n] != NULL)
+            n++;
+        return value >= 0.0 && value < n;
+    case SHEAR_T_BOOL:
+        return true;
+    default:
+        return (def->has_auto && is_auto(def, value)) || (value >= def->min && value <= def->max);
+    }
+}
+
+static int parse_choice(double *value, const shear_setting_def *def, const char *text,
+                        shear_error *err) {
     char known[200];
     const int found = spelling_find(def->choices, text);
     if (found >= 0) {
@@ -64,9 +83,13 @@ static int set_choice(int *value, const shear_setting_def *def, const char *text
                       text, known);
 }
 
-static int set_bool(bool *value, const shear_setting_def *def, const char *text, shear_error *err) {
-    if (text_to_bool(text, value))
+static int parse_bool(double *value, const shear_setting_def *def, const char *text,
+                      shear_error *err) {
+    bool flag = false;
+    if (text_to_bool(text, &flag)) {
+        *value = flag ? 1.0 : 0.0;
         return SHEAR_OK;
+    }
     return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s': '%s' is neither true nor false",
                       def->name, text);
 }

@@ -128,7 +128,8 @@ static void unknown_names(void **state) {
     one_error(state, "[daemon]\ndata_root = /a\n /b\n", 2, "no setting");
     one_error(state, "[]\n", 1, "no section []");
     one_error(state,
-              "[a_section_whose_name_is_longer_than_what_inih_keeps_of_it_and_than_what_we_keep]\n",
+              "[a_section_whose_name_is_longer_than_any_section_is_and_than_what_we_keep_of_its_"
+              "name_x]\n",
               1, "no section [a_section_whose_name");
 }
 
