@@ -2,6 +2,7 @@
 #include "log/log.h"
 
 #include "base/clock.h"
+#include "base/thread.h"
 #include "log/outlet.h"
 #include "log/repeats.h"
 #include "shear/text.h"
@@ -141,21 +142,19 @@ static void write_counts(int64_t interval_ms, int64_t ms) {
 }
 
 static void log_text(enum log_level level, const char *text) {
-    pthread_mutex_lock(&lock);
+    LOCKED(&lock);
     const int64_t ms = now_ms();
     write_counts(options.interval_ms, ms);
     if (options.burst <= 0 ||
         repeats_admit(&messages, level, text, (unsigned)options.burst, options.interval_ms, ms)) {
         write_message(level, text, ms);
     }
-    pthread_mutex_unlock(&lock);
 }
 
 void log_flush(void) {
-    pthread_mutex_lock(&lock);
+    LOCKED(&lock);
     write_counts(0, now_ms());
     tell_losses(now_ms());
-    pthread_mutex_unlock(&lock);
 }
 
 bool log_drain(int timeout_ms) {

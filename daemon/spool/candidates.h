@@ -5,7 +5,6 @@
 
 #include "base/fingerprint.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/queue.h>

@@ -2,12 +2,12 @@
 #include "spool/examine.h"
 
 #include "base/clock.h"
+#include "base/text.h"
 #include "spool/internal.h"
 #include "spool/report.h"
 
 #include <assert.h>
 #include <errno.h>
-#include <stdio.h>
 
 /* Reasons to ignore a file: the status of its name, or one of these. */
 enum reason { IS_LINK = NAME_N_STATUSES, IS_DIRECTORY, IS_PIPE, IS_OTHER, UNREADABLE, N_REASONS };
@@ -20,18 +20,20 @@ static enum reason kind_of(mode_t mode) {
                             : IS_OTHER;
 }
 
-/* Return the text of a reason; *subject, "" or "its name ", precedes it. */
-static const char *reason_text(int reason, const char **subject) {
+static const char *reason_text(int reason) {
     static const char *const texts[N_REASONS] = {
+        [NAME_SUFFIX] = "its name ends neither in .fits, .fit, .fits.gz, .fit.gz, .fz nor .json",
+        [NAME_CONTROL] = "its name has control characters",
+        [NAME_NOT_UTF8] = "its name is not UTF-8",
+        [NAME_LONG] = "its name is too long",
         [IS_LINK] = "it is a symbolic link; put the file itself there",
         [IS_DIRECTORY] = "it is a directory; put its files there",
         [IS_PIPE] = "it is a named pipe",
         [IS_OTHER] = "it is no regular file",
         [UNREADABLE] = "it cannot be examined",
     };
-    assert(reason >= 0 && reason < N_REASONS);
-    *subject = reason < NAME_N_STATUSES ? "its name " : "";
-    return reason < NAME_N_STATUSES ? name_complaint((enum name_status)reason) : texts[reason];
+    assert(reason > NAME_QUIET && reason < N_REASONS);
+    return texts[reason];
 }
 
 static void ignore(spool *s, candidate *file, int reason) {
@@ -40,11 +42,9 @@ static void ignore(spool *s, candidate *file, int reason) {
     if (file->reason == reason)
         return;
     char name[NAME_SIZE];
-    const char *subject = "";
-    const char *text = reason_text(reason, &subject);
     name_printable(name, file->name);
     file->reason = reason;
-    report_line(s, SPOOL_NOTICE, "incoming/%s: ignored: %s%s", name, subject, text);
+    report_line(s, SPOOL_NOTICE, "incoming/%s: ignored: %s", name, reason_text(reason));
 }
 
 size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t capacity) {
@@ -54,11 +54,9 @@ size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t capacity) {
         if (file->reason == NAME_GOOD) {
             continue; /* not examined yet */
         }
-        const char *subject = "";
-        const char *text = reason_text(file->reason, &subject);
         spool_ignored *one = &list[n++];
         one->name = file->name;
-        snprintf(one->reason, sizeof one->reason, "%s%s", subject, text);
+        text_set(one->reason, sizeof one->reason, reason_text(file->reason));
     }
     return n;
 }

@@ -46,7 +46,7 @@ static int set_mode(int fd, mode_t mode) {
 }
 
 /* Open a folder, made if it is missing. An existing one keeps the mode that the administrator gave
- * it. */
+ * it. *fd is the caller's to close, also after an error. */
 static int open_folder(const folders *f, enum folder folder, int *fd, shear_error *err) {
     const char *name = layout[folder].name;
     const bool made = mkdirat(f->root, name, 0700) == 0;
@@ -55,13 +55,9 @@ static int open_folder(const folders *f, enum folder folder, int *fd, shear_erro
     *fd = openat(f->root, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (*fd < 0)
         return complain(err, f->path, "open it", name);
-    if (made && set_mode(*fd, layout[folder].mode) != 0) {
-        const int code = complain(err, f->path, "set its mode", name);
-        close(*fd);
-        *fd = -1;
-        return code;
-    }
-    return SHEAR_OK;
+    return made && set_mode(*fd, layout[folder].mode) != 0
+               ? complain(err, f->path, "set its mode", name)
+               : SHEAR_OK;
 }
 
 static int open_root(folders *f, shear_error *err) {
@@ -133,19 +129,13 @@ int folders_open(folders *f, const char *path, shear_error *err) {
     return code;
 }
 
-static void close_one(int *fd) {
-    if (*fd >= 0)
-        close(*fd);
-    *fd = -1;
-}
-
 void folders_close(folders *f) {
     if (f->path == NULL)
         return;
     for (int i = 0; i < N_FOLDERS; i++)
-        close_one(&f->fd[i]);
-    close_one(&f->lock);
-    close_one(&f->root);
+        release_fd(&f->fd[i]);
+    release_fd(&f->lock);
+    release_fd(&f->root);
     free(f->path);
     f->path = NULL;
 }
@@ -174,12 +164,13 @@ int folders_check(folders *f, bool *incoming_changed, shear_error *err) {
     *incoming_changed = false;
     TRY(check_root(f, err));
     for (enum folder i = INCOMING; i < N_FOLDERS; i++) {
-        int fd = -1;
+        CLEANUP(release_fd) int fd = -1; /* the new one, then the old one */
         if (is_current(f, i))
             continue;
         TRY(open_folder(f, i, &fd, err));
-        close(f->fd[i]);
+        const int old = f->fd[i];
         f->fd[i] = fd;
+        fd = old;
         *incoming_changed |= i == INCOMING;
     }
     return SHEAR_OK;

@@ -46,16 +46,6 @@ enum name_status name_validate(const char *name) {
     return strlen(name) > NAME_GOOD_MAX ? NAME_LONG : NAME_GOOD;
 }
 
-const char *name_complaint(enum name_status status) {
-    static const char *const texts[NAME_N_STATUSES] = {
-        [NAME_SUFFIX] = "ends neither in .fits, .fit, .fits.gz, .fit.gz, .fz nor .json",
-        [NAME_CONTROL] = "has control characters",
-        [NAME_NOT_UTF8] = "is not UTF-8",
-        [NAME_LONG] = "is too long",
-    };
-    return status < NAME_N_STATUSES && texts[status] != NULL ? texts[status] : "";
-}
-
 void name_printable(char out[NAME_SIZE], const char *name) {
     size_t i = 0;
     for (; name[i] != '\0' && i < NAME_SIZE - 1; i++) {

@@ -25,8 +25,6 @@ enum {
 };
 
 enum name_status name_validate(const char *name);
-/* Return what is wrong with the name, to follow "its name "; "" for NAME_GOOD and NAME_QUIET. */
-const char *name_complaint(enum name_status status);
 /* Copy the name for messages: what is not printable ASCII becomes '?'. */
 void name_printable(char out[NAME_SIZE], const char *name);
 

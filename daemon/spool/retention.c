@@ -13,33 +13,24 @@
 static const int64_t ns_per_s = 1000000000;
 static const int64_t ns_per_ms = 1000000;
 
-static void forget_items(retention *w) {
-    for (size_t i = 0; w->items != NULL && i < w->n; i++)
-        free(w->items[i].name);
-    free(w->items);
-    w->items = NULL;
-    w->n = w->capacity = w->next = 0;
-    w->bytes = 0;
-    if (w->dir != NULL)
-        closedir(w->dir);
-    w->dir = NULL;
-}
-
 void retention_init(retention *w) {
     *w = (retention){.folder = N_FOLDERS};
 }
 
 void retention_deinit(retention *w) {
-    forget_items(w);
-    w->folder = N_FOLDERS;
+    for (size_t i = 0; i < w->n; i++)
+        free(w->items[i].name);
+    free(w->items);
+    folder_list_close(&w->dir);
+    retention_init(w);
 }
 
-bool retention_idle(const retention *w) {
+static bool is_idle(const retention *w) {
     return w->folder == N_FOLDERS;
 }
 
 void retention_begin(retention *w) {
-    if (retention_idle(w))
+    if (is_idle(w))
         w->folder = DONE;
 }
 
@@ -54,9 +45,7 @@ static int64_t to_ns(struct timespec t) {
 }
 
 static bool append(retention *w, const char *name, const struct stat *st) {
-    if (!ARRAY_RESERVE(w->items, w->capacity, w->n + 1))
-        return false;
-    char *copy = strdup(name);
+    char *copy = ARRAY_RESERVE(w->items, w->capacity, w->n + 1) ? strdup(name) : NULL;
     if (copy == NULL)
         return false;
     /* The file's status change is its move to this folder, and later than its modification. The
@@ -118,12 +107,13 @@ static void sort_out(retention *w) {
 }
 
 static void end_folder(retention *w) {
-    forget_items(w);
-    w->folder++;
+    const enum folder next = w->folder + 1;
+    retention_deinit(w);
+    w->folder = next;
 }
 
 static void end_reading(retention *w) {
-    closedir(w->dir);
+    folder_list_close(&w->dir);
     w->dir = NULL;
     sort_out(w);
     if (w->n == 0)
@@ -201,12 +191,12 @@ static bool remove_some(spool *s) {
     }
     if (!too_much(w, limits(s), now_ns))
         end_folder(w);
-    return !retention_idle(w);
+    return !is_idle(w);
 }
 
 bool retention_step(spool *s) {
     retention *w = &s->retention;
-    if (retention_idle(w))
+    if (is_idle(w))
         return false;
     if (w->dir != NULL) {
         read_some(s);
@@ -219,5 +209,5 @@ bool retention_step(spool *s) {
     w->dir = limited ? folder_list(&s->folders, w->folder) : NULL;
     if (w->dir == NULL)
         end_folder(w);
-    return !retention_idle(w);
+    return !is_idle(w);
 }

@@ -33,6 +33,5 @@ typedef struct retention {
 void retention_init(retention *w);
 void retention_deinit(retention *w);
 void retention_begin(retention *w); /* unless it is under way */
-bool retention_idle(const retention *w);
 /* Do some of the work. Return true if there is more. */
 bool retention_step(spool *s);

@@ -174,8 +174,7 @@ void spool_close(spool *s) {
         return;
     s->closed = true;
     stop_watch(s);
-    if (s->scan.dir != NULL)
-        closedir(s->scan.dir);
+    folder_list_close(&s->scan.dir);
     s->scan.dir = NULL;
     retention_deinit(&s->retention);
     unacknowledged_deinit(&s->unacknowledged);
@@ -241,8 +240,7 @@ int spool_open_file(const spool *s, const char *active_name, int *out, shear_err
         return SHEAR_OK;
     }
     const int error = fd >= 0 || errno == ELOOP || errno == ENXIO ? EINVAL : errno;
-    if (fd >= 0)
-        close(fd);
+    release_fd(&fd);
     const int code = error == EINVAL                     ? SPOOL_NOT_REGULAR
                      : error == ENOENT                   ? SPOOL_GONE
                      : error == EACCES || error == EPERM ? SPOOL_DENIED

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/watch.h"
 
+#include "base/cleanup.h"
 #include "spool/folders.h"
 
 #include <errno.h>
@@ -24,8 +25,7 @@ int watch_init(watch *w) {
 }
 
 void watch_deinit(watch *w) {
-    if (w->fd >= 0)
-        close(w->fd);
+    release_fd(&w->fd);
     *w = (watch){-1, -1, -1};
 }
 
