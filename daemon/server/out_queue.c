@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/out_queue.h"
 
+#include "base/array.h"
+
 #include <assert.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Lines for which an empty queue keeps memory. */
 enum { SMALL = 16 };
@@ -39,36 +42,25 @@ void out_queue_deinit(out_queue *q) {
 
 out_line *out_queue_at(const out_queue *q, size_t i) {
     assert(i < q->n);
-    return q->items[(q->first + i) % q->capacity];
-}
-
-static bool grow(out_queue *q) {
-    const size_t capacity = q->capacity != 0 ? 2 * q->capacity : SMALL;
-    out_line **items = malloc(capacity * sizeof(out_line *));
-    if (items == NULL)
-        return false;
-    for (size_t i = 0; i < q->n; i++)
-        items[i] = out_queue_at(q, i);
-    free(q->items);
-    q->items = items;
-    q->capacity = capacity;
-    q->first = 0;
-    return true;
+    return q->items[q->first + i];
 }
 
 bool out_queue_push(out_queue *q, out_line *line) {
-    if (q->n == q->capacity && !grow(q))
+    if (q->first > q->n) { /* so that a line is moved once at most, on average */
+        memmove(q->items, q->items + q->first, q->n * sizeof(out_line *));
+        q->first = 0;
+    }
+    if (!ARRAY_RESERVE(q->items, q->capacity, q->first + q->n + 1))
         return false;
     line->references++;
-    q->items[(q->first + q->n++) % q->capacity] = line;
+    q->items[q->first + q->n++] = line;
     q->bytes += line->n;
     q->held += line->memory != NULL ? 0 : line->n;
     return true;
 }
 
 static void pop(out_queue *q) {
-    out_line *line = q->items[q->first];
-    q->first = (q->first + 1) % q->capacity;
+    out_line *line = q->items[q->first++];
     q->n--;
     q->written -= line->n;
     q->held -= line->memory != NULL ? 0 : line->n;

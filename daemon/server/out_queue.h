@@ -21,9 +21,9 @@ void out_line_unref(out_line *line); /* NULL is accepted */
 /* Count the line's bytes in *memory for as long as it lives. */
 void out_line_count(out_line *line, size_t *memory);
 
-/* A ring of lines, the oldest first. */
+/* Lines, the oldest first. */
 typedef struct out_queue {
-    out_line **items; /* [capacity] */
+    out_line **items; /* [capacity], in use: [first, first + n) */
     size_t first, n, capacity;
     size_t bytes; /* of all lines, without the written part of the oldest */
     size_t written;

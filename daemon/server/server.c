@@ -2,6 +2,7 @@
 #include "server/server.h"
 
 #include "base/cleanup.h"
+#include "base/text.h"
 #include "server/accept.h"
 #include "server/connection_loop.h"
 #include "server/internal.h"
@@ -145,11 +146,10 @@ void server_sockets(const server *s, char *out, size_t size) {
     for (size_t i = 0; i < s->n_listeners; i++) {
         char path[256];
         size_t n = sizeof path - 1;
-        const size_t used = strlen(out);
         if (uv_pipe_getsockname(&s->listeners[i], path, &n) != 0 || n == 0)
             n = (size_t)snprintf(path, sizeof path, "(unnamed)");
         path[n] = '\0';
-        snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "", path);
+        text_append_item(out, size, path);
     }
 }
 
