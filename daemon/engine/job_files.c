@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/job_files.h"
 
+#include "base/cleanup.h"
 #include "engine/engine.h"
 
 #include <errno.h>
@@ -35,14 +36,10 @@ bool job_files_acquire(job_files *f, const shear_input *input, const int *fds) {
 
 void job_files_close(job_files *f) {
     free((char *)f->input.path);
-    f->input.path = NULL;
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         free((char *)f->input.parts[i].path);
         free((char *)f->input.parts[i].extname);
-        f->input.parts[i] = (shear_input_part){.hdu = -1};
-        if (f->fds[i] >= 0)
-            close(f->fds[i]);
-        f->fds[i] = -1;
+        release_fd(&f->fds[i]);
     }
 }
 

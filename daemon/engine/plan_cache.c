@@ -66,16 +66,12 @@ static void key_deinit(key *k) {
     free(k->bytes);
 }
 
-static bool key_equal(const key *a, const key *b) {
-    return a->n == b->n && memcmp(a->bytes, b->bytes, a->n) == 0;
-}
-
 /* ---- under the lock ---- */
 
 static kept_plan *find(plan_cache *p, const key *k) {
     kept_plan *kept = NULL;
     TAILQ_FOREACH(kept, &p->list, link) {
-        if (key_equal(&kept->key, k))
+        if (kept->key.n == k->n && memcmp(kept->key.bytes, k->bytes, k->n) == 0)
             return kept;
     }
     return NULL;

@@ -45,14 +45,6 @@ static bool checkpoint_due(engine *e, job *j) {
     return due;
 }
 
-/* Add the newly measured stamps to the engine's total (work units differ in size). The lock is
- * held. */
-static void count_stamps(engine *e, job *j) {
-    const int64_t done = shear_work_get_status(j->work).stamps_done;
-    e->stamps_total += done - j->counted;
-    j->counted = done;
-}
-
 /* Do one work unit of a job. The lock is held on entry and on return. */
 static void serve(engine *e, job *j, int slot) {
     const int64_t unit = (int64_t)j->size.blocks * SHEAR_BLOCK;
@@ -72,7 +64,9 @@ static void serve(engine *e, job *j, int slot) {
         job_save_checkpoint(j);
     pthread_mutex_lock(&e->lock);
     e->busy--;
-    count_stamps(e, j);
+    const int64_t done = shear_work_get_status(j->work).stamps_done; /* work units differ in size */
+    e->stamps_total += done - j->counted;
+    j->counted = done;
     j->reading -= j->entering[slot];
     j->entering[slot] = false;
     j->holders--;

@@ -65,18 +65,11 @@ static int do_hash(child *c, reader_reply *reply, shear_error *err) {
     enum { STEP = 1 << 20, STEPS = 256, SLICE_MS = 250 };
     const int64_t end_ms = clock_ms(CLOCK_MONOTONIC) + SLICE_MS;
     bool done = false;
-    int code = SHEAR_OK;
     if (c->hashing == NULL) {
-        code =
-            shear_hashing_new(&c->hashing, &c->input, c->fds, shear_field_get_info(c->field), err);
+        TRY(shear_hashing_new(&c->hashing, &c->input, c->fds, shear_field_get_info(c->field), err));
     }
-    for (int i = 0;
-         code == SHEAR_OK && !done && i < STEPS && (i == 0 || clock_ms(CLOCK_MONOTONIC) < end_ms);
-         i++) {
-        code = shear_hashing_step(c->hashing, STEP, &done, err);
-    }
-    if (code != SHEAR_OK)
-        return code;
+    for (int i = 0; !done && i < STEPS && (i == 0 || clock_ms(CLOCK_MONOTONIC) < end_ms); i++)
+        TRY(shear_hashing_step(c->hashing, STEP, &done, err));
     reply->hashed = shear_hashing_bytes(c->hashing);
     if (done) {
         shear_hashing_text(c->hashing, reply->checksum);

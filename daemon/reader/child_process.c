@@ -7,8 +7,10 @@
 #include <sys/wait.h>
 #include <time.h>
 
-static void describe_end(int status, char *out, size_t size) {
-    if (WIFSIGNALED(status)) {
+static void describe_end(bool known, int status, char *out, size_t size) {
+    if (!known) {
+        snprintf(out, size, "how it ended is unknown");
+    } else if (WIFSIGNALED(status)) {
         snprintf(out, size, "it was killed by signal %d, %s", WTERMSIG(status),
                  strsignal(WTERMSIG(status)));
     } else {
@@ -32,6 +34,8 @@ static pid_t wait_for_end(pid_t pid, int *status) {
 
 int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size) {
     int status = 0;
+    if (*pid <= 0)
+        return -1;
     pid_t got = kill_now ? 0 : wait_for_end(*pid, &status);
     if (got == 0) {
         kill(*pid, SIGKILL);
@@ -40,10 +44,7 @@ int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size) {
         got = wait_for_end(*pid, &status);
     }
     *pid = 0;
-    if (got > 0) {
-        describe_end(status, end, size);
-    } else {
-        snprintf(end, size, "how it ended is unknown");
-    }
+    if (end != NULL)
+        describe_end(got > 0, status, end, size);
     return got > 0 && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }

@@ -6,7 +6,8 @@
 #include <stddef.h>
 #include <sys/types.h>
 
-/* Reap the child (*pid becomes 0), and describe how it ended in end[size]. Return its exit code, or
- * -1 if it has none. With kill_now it is killed at once; otherwise it has a second to end by
- * itself, because a child whose socket is closed may still be ending. */
+/* Reap the child (*pid becomes 0; if it is 0 already, nothing happens), and describe how it ended
+ * in end[size], which may be NULL. Return its exit code, or -1 if it has none. With kill_now it is
+ * killed at once; otherwise it has a second to end by itself, because a child whose socket is
+ * closed may still be ending. */
 int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size);

@@ -20,18 +20,11 @@ static int fail_again(const reader *r, shear_error *err) {
     return r->failed;
 }
 
-/* Return whether the exit code is that of the dynamic linker, or of a shell, for a program that did
- * not start. */
-static bool never_started(int exit_code) {
-    return exit_code == 126 || exit_code == 127;
-}
-
 /* Describe the failure in why[]. Return the code to record. */
 static int find_reason(reader *r, int code, char *why, size_t size) {
     char end[160] = "it is gone";
     char said[240] = "";
-    const int exit_code =
-        r->pid > 0 ? child_process_reap(&r->pid, code != READER_E_DIED, end, sizeof end) : -1;
+    const int exit_code = child_process_reap(&r->pid, code != READER_E_DIED, end, sizeof end);
     child_stderr_read(r->child_stderr, said, sizeof said);
     snprintf(why, size, "%s%s%s",
              code == READER_E_HUNG       ? "no answer in time, it was stopped"
@@ -39,7 +32,9 @@ static int find_reason(reader *r, int code, char *why, size_t size) {
              : code == READER_E_PROTOCOL ? "its answer made no sense, it was stopped"
                                          : end,
              said[0] != '\0' ? "; it said: " : "", said);
-    return code == READER_E_DIED && never_started(exit_code) ? SHEAR_E_IO : code;
+    /* The exit codes of the dynamic linker, or of a shell, for a program that did not start. */
+    const bool never_started = exit_code == 126 || exit_code == 127;
+    return code == READER_E_DIED && never_started ? SHEAR_E_IO : code;
 }
 
 int exchange_give_up(reader *r, int code, const char *what, shear_error *err) {
@@ -115,9 +110,7 @@ static ssize_t receive(const reader *r, reader_reply *reply) {
 /* Kill the child: its unpacked copies are too large, or others need the room. Return the error
  * `why`. */
 static int evict(reader *r, const shear_error *why, shear_error *err) {
-    char ignored[160];
-    if (r->pid > 0)
-        child_process_reap(&r->pid, true, ignored, sizeof ignored);
+    child_process_reap(&r->pid, true, NULL, 0);
     r->failure = *why;
     r->failed = why->code;
     return fail_again(r, err);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/launch.h"
 
+#include "base/cleanup.h"
 #include "reader/wire.h"
 
 #include <errno.h>
@@ -99,10 +100,8 @@ int launch_reader(pid_t *pid, const shear_input *input, const int *fds, launch_e
     int rc = add_descriptors(&actions, ends.child_stderr, given, from);
     if (rc == 0)
         rc = posix_spawn(pid, limits->program, &actions, &attributes, a.argv, environment);
-    for (int i = 0; i < N_FDS; i++) {
-        if (from[i] >= 0)
-            close(from[i]);
-    }
+    for (int i = 0; i < N_FDS; i++)
+        release_fd(&from[i]);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
     return rc;

@@ -18,17 +18,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-static void close_one(int fd) {
-    if (fd >= 0)
-        close(fd);
-}
-
 /* Create the memory, the socket and the pipe, and start the child with their other ends. Return 0
  * or errno. */
 static int launch(reader *r, const shear_input *input, const int *fds,
                   const reader_limits *limits) {
     int sockets[2] = {-1, -1};
-    int pipe[2] = {-1, -1};
+    int pipe[2];
     r->memory_fd = memfd_create("sheard-stamps", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     if (r->memory_fd < 0 || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets) != 0)
         return errno;
@@ -39,8 +34,8 @@ static int launch(reader *r, const shear_input *input, const int *fds,
         const launch_ends ends = {sockets[1], r->memory_fd, pipe[1], r->scratch.fds};
         rc = launch_reader(&r->pid, input, fds, ends, limits);
     }
-    close_one(sockets[1]);
-    close_one(pipe[1]);
+    release_fd(&sockets[1]);
+    release_fd(&pipe[1]);
     return rc;
 }
 
@@ -83,16 +78,14 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
 }
 
 void reader_stop(reader *r) {
-    char ignored[160];
     if (r == NULL)
         return;
-    close_one(r->socket);
-    close_one(r->child_stderr);
-    if (r->pid > 0)
-        child_process_reap(&r->pid, true, ignored, sizeof ignored);
+    release_fd(&r->socket);
+    release_fd(&r->child_stderr);
+    child_process_reap(&r->pid, true, NULL, 0);
     if (r->memory != NULL)
         munmap(r->memory, r->memory_bytes);
-    close_one(r->memory_fd);
+    release_fd(&r->memory_fd);
     scratch_close(&r->scratch);
     free(r->blocks);
     free(r);

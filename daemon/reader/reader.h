@@ -13,7 +13,6 @@
 #include "shear/input.h"
 
 #include <stdatomic.h>
-#include <stdbool.h>
 #include <stdint.h>
 
 enum reader_code {

@@ -101,43 +101,21 @@ static int enter_landlock(unsigned *guards, shear_error *err) {
 /* The calls that CFITSIO, zlib and libc need to read a file. None of them creates processes,
  * sockets or names. */
 static const int allowed[] = {
-    SCMP_SYS(read),
-    SCMP_SYS(pread64),
-    SCMP_SYS(readv),
-    SCMP_SYS(write),
-    SCMP_SYS(pwrite64),
-    SCMP_SYS(writev),
-    SCMP_SYS(lseek),
-    SCMP_SYS(fstat),
-    SCMP_SYS(ftruncate),
-    SCMP_SYS(fallocate),
-    SCMP_SYS(close),
-    SCMP_SYS(dup),
-    SCMP_SYS(munmap),
-    SCMP_SYS(mremap),
-    SCMP_SYS(madvise),
-    SCMP_SYS(brk),
-    SCMP_SYS(futex),
-    SCMP_SYS(rt_sigreturn),
-    SCMP_SYS(rt_sigaction),
-    SCMP_SYS(rt_sigprocmask),
-    SCMP_SYS(exit),
-    SCMP_SYS(exit_group),
-    SCMP_SYS(recvmsg),
-    SCMP_SYS(sendmsg),
-    SCMP_SYS(recvfrom),
-    SCMP_SYS(sendto),
-    SCMP_SYS(clock_gettime),
-    SCMP_SYS(gettimeofday),
-    SCMP_SYS(getpid),
-    SCMP_SYS(gettid),
-    SCMP_SYS(getrandom),
-    SCMP_SYS(sched_yield),
-    SCMP_SYS(restart_syscall),
-    SCMP_SYS(set_robust_list),
-    SCMP_SYS(rseq),
-    SCMP_SYS(sigaltstack),
-};
+    /* open files */
+    SCMP_SYS(read), SCMP_SYS(pread64), SCMP_SYS(readv), SCMP_SYS(write), SCMP_SYS(pwrite64),
+    SCMP_SYS(writev), SCMP_SYS(lseek), SCMP_SYS(fstat), SCMP_SYS(ftruncate), SCMP_SYS(fallocate),
+    SCMP_SYS(close), SCMP_SYS(dup),
+    /* memory */
+    SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(brk),
+    /* threads and signals */
+    SCMP_SYS(futex), SCMP_SYS(rt_sigreturn), SCMP_SYS(rt_sigaction), SCMP_SYS(rt_sigprocmask),
+    SCMP_SYS(sigaltstack), SCMP_SYS(set_robust_list), SCMP_SYS(rseq), SCMP_SYS(sched_yield),
+    SCMP_SYS(restart_syscall), SCMP_SYS(exit), SCMP_SYS(exit_group),
+    /* the socket */
+    SCMP_SYS(recvmsg), SCMP_SYS(sendmsg), SCMP_SYS(recvfrom), SCMP_SYS(sendto),
+    /* what is harmless */
+    SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday), SCMP_SYS(getpid), SCMP_SYS(gettid),
+    SCMP_SYS(getrandom)};
 
 /* libseccomp's macros leave a member uninitialized, which clang warns about. */
 static struct scmp_arg_cmp equals(unsigned argument, scmp_datum_t value) {
@@ -177,15 +155,10 @@ static int allow_some(scmp_filter_ctx filter) {
     return 0;
 }
 
-static int allow_plain(scmp_filter_ctx filter) {
-    for (size_t i = 0; i < sizeof allowed / sizeof allowed[0]; i++)
-        TRY(seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0));
-    return 0;
-}
-
 static int load(scmp_filter_ctx filter) {
     TRY(allow_some(filter));
-    TRY(allow_plain(filter));
+    for (size_t i = 0; i < sizeof allowed / sizeof allowed[0]; i++)
+        TRY(seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0));
     return seccomp_load(filter);
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/scratch.h"
 
+#include "base/cleanup.h"
 #include "base/io.h"
 
 #include <errno.h>
@@ -30,11 +31,8 @@ static void account(scratch *s, int64_t own) {
 }
 
 void scratch_close(scratch *s) {
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        if (s->fds[i] >= 0)
-            close(s->fds[i]);
-        s->fds[i] = -1;
-    }
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
+        release_fd(&s->fds[i]);
     account(s, 0);
 }
 
@@ -81,9 +79,8 @@ int scratch_check(scratch *s, bool full, shear_error *err) {
 /* ---- choice of the directory ---- */
 
 static bool works(const char *directory) {
-    const int fd = directory != NULL && directory[0] == '/' ? io_open_nameless(directory) : -1;
-    if (fd >= 0)
-        close(fd);
+    CLEANUP(release_fd)
+    int fd = directory != NULL && directory[0] == '/' ? io_open_nameless(directory) : -1;
     return fd >= 0;
 }
 

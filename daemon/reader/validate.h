@@ -4,7 +4,6 @@
 #pragma once
 
 #include "shear/field.h"
-#include "shear/input.h"
 
 /* Return whether the numbers that the daemon allocates and indexes by are in range, and the name is
  * printable. The name is terminated. */
