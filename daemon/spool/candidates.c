@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/candidates.h"
 
-#include "base/array.h"
-
-#include <assert.h>
+#include <search.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,49 +11,25 @@ void candidates_init(candidates *w) {
         TAILQ_INIT(&w->queues[i]);
 }
 
+static int compare(const void *a, const void *b) {
+    return strcmp(((const candidate *)a)->name, ((const candidate *)b)->name);
+}
+
+candidate *candidates_find(const candidates *w, const char *name) {
+    const candidate key = {.name = (char *)name};
+    candidate *const *found = tfind(&key, &w->by_name, compare);
+    return found != NULL ? *found : NULL;
+}
+
 static void file_free(candidate *file) {
     free(file->name);
     free(file);
 }
 
-void candidates_deinit(candidates *w) {
-    for (size_t i = 0; i < w->n; i++)
-        file_free(w->files[i]);
-    free(w->files);
-    candidates_init(w);
-}
-
-static int by_name(const void *name, const void *file) {
-    return strcmp(name, (*(candidate *const *)file)->name);
-}
-
-/* Return the index of the first name that is not less than `name`. */
-static size_t place_of(const candidates *w, const char *name) {
-    return array_lower_bound(w->files, w->n, sizeof(candidate *), name, by_name);
-}
-
-candidate *candidates_find(const candidates *w, const char *name) {
-    const size_t i = place_of(w, name);
-    return i < w->n && strcmp(w->files[i]->name, name) == 0 ? w->files[i] : NULL;
-}
-
-candidate *candidates_add(candidates *w, const char *name) {
-    candidate *file = calloc(1, sizeof *file);
-    if (file == NULL)
-        return NULL;
-    file->name = strdup(name);
-    if (file->name == NULL || !ARRAY_RESERVE(w->files, w->capacity, w->n + 1)) {
-        file_free(file);
-        return NULL;
-    }
-    const size_t i = place_of(w, name);
-    memmove(w->files + i + 1, w->files + i, (w->n - i) * sizeof(candidate *));
-    w->files[i] = file;
-    w->n++;
-    file->state = CANDIDATE_IGNORED;
-    TAILQ_INSERT_TAIL(&w->queues[CANDIDATE_IGNORED], file, link);
-    w->counts[CANDIDATE_IGNORED]++;
-    return file;
+static void enter_queue(candidates *w, candidate *file, enum candidate_state state) {
+    file->state = state;
+    TAILQ_INSERT_TAIL(&w->queues[state], file, link);
+    w->counts[state]++;
 }
 
 static void leave_queue(candidates *w, candidate *file) {
@@ -63,33 +37,43 @@ static void leave_queue(candidates *w, candidate *file) {
     w->counts[file->state]--;
 }
 
+candidate *candidates_add(candidates *w, const char *name) {
+    candidate *file = calloc(1, sizeof *file);
+    if (file == NULL)
+        return NULL;
+    file->name = strdup(name);
+    if (file->name == NULL || tsearch(file, &w->by_name, compare) == NULL) {
+        file_free(file);
+        return NULL;
+    }
+    enter_queue(w, file, CANDIDATE_IGNORED);
+    return file;
+}
+
 void candidates_remove(candidates *w, candidate *file) {
-    const size_t i = place_of(w, file->name);
-    assert(i < w->n && w->files[i] == file);
     leave_queue(w, file);
-    memmove(w->files + i, w->files + i + 1, (w->n - i - 1) * sizeof(candidate *));
-    w->n--;
+    tdelete(file, &w->by_name, compare);
     file_free(file);
 }
 
 void candidates_forget_unseen(candidates *w, uint64_t generation) {
-    size_t kept = 0;
-    for (size_t i = 0; i < w->n; i++) {
-        if (w->files[i]->generation == generation) {
-            w->files[kept++] = w->files[i];
-        } else {
-            leave_queue(w, w->files[i]);
-            file_free(w->files[i]);
+    for (int i = 0; i < CANDIDATE_N_STATES; i++) {
+        candidate *next = NULL;
+        for (candidate *file = TAILQ_FIRST(&w->queues[i]); file != NULL; file = next) {
+            next = TAILQ_NEXT(file, link);
+            if (file->generation != generation)
+                candidates_remove(w, file);
         }
     }
-    w->n = kept;
+}
+
+void candidates_deinit(candidates *w) {
+    candidates_forget_unseen(w, UINT64_MAX);
 }
 
 void candidates_set_state(candidates *w, candidate *file, enum candidate_state state) {
     leave_queue(w, file);
-    file->state = state;
-    TAILQ_INSERT_TAIL(&w->queues[state], file, link);
-    w->counts[state]++;
+    enter_queue(w, file, state);
 }
 
 candidate *candidates_first(const candidates *w, enum candidate_state state) {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/candidates.h: the known files of incoming/, sorted by name, and in a queue for each
- * state. */
+/* spool/candidates.h: the known files of incoming/, by name, and in a queue for each state. */
 #pragma once
 
 #include "base/fingerprint.h"
@@ -29,8 +28,7 @@ typedef struct candidate {
 TAILQ_HEAD(candidate_queue, candidate);
 
 typedef struct candidates {
-    candidate **files; /* [n] of [capacity], sorted by name */
-    size_t n, capacity;
+    void *by_name; /* a tree of candidates: tsearch(3) */
     struct candidate_queue queues[CANDIDATE_N_STATES];
     size_t counts[CANDIDATE_N_STATES];
 } candidates;
