@@ -5,32 +5,31 @@
 #include "server/internal.h"
 
 #include <assert.h>
+#include <string.h>
 
-connection *connection_table_find(const server *s, uint64_t id) {
-    const size_t slot = id % CONNECTION_SLOTS;
-    connection *c = slot < s->table.n_slots ? s->table.slots[slot] : NULL;
-    return c != NULL && c->id == id ? c : NULL;
+static int by_id(const void *id, const void *item) {
+    const uint64_t a = *(const uint64_t *)id;
+    const uint64_t b = (*(connection *const *)item)->id;
+    return (a > b) - (a < b);
 }
 
-static bool acquire_slot(connection_table *t, size_t *slot) {
-    if (t->n_free > 0) {
-        *slot = t->free_slots[--t->n_free];
-        return true;
-    }
-    if (t->n_slots == CONNECTION_SLOTS || !ARRAY_RESERVE(t->slots, t->capacity, t->n_slots + 1) ||
-        !ARRAY_RESERVE(t->free_slots, t->free_capacity, t->n_slots + 1)) {
-        return false;
-    }
-    *slot = t->n_slots++;
-    return true;
+/* Return the index of the first connection whose number is not below `id`. */
+static size_t search(const connection_table *t, uint64_t id) {
+    return array_lower_bound(t->items, t->n, sizeof(connection *), &id, by_id);
+}
+
+connection *connection_table_find(const server *s, uint64_t id) {
+    const connection_table *t = &s->table;
+    const size_t i = search(t, id);
+    return i < t->n && t->items[i]->id == id ? t->items[i] : NULL;
 }
 
 bool connection_table_enter(server *s, connection *c) {
-    size_t slot = 0;
-    if (!acquire_slot(&s->table, &slot))
+    connection_table *t = &s->table;
+    if (!ARRAY_RESERVE(t->items, t->capacity, t->n + 1))
         return false;
-    s->table.slots[slot] = c;
-    c->id = ++s->table.serial * CONNECTION_SLOTS + slot;
+    c->id = ++t->last;
+    t->items[t->n++] = c;
     s->statistics.connections++;
     c->user->connections++;
     return true;
@@ -38,10 +37,10 @@ bool connection_table_enter(server *s, connection *c) {
 
 void connection_table_leave(server *s, connection *c) {
     connection_table *t = &s->table;
-    const size_t slot = c->id % CONNECTION_SLOTS;
-    assert(t->slots[slot] == c && t->n_free < t->free_capacity);
-    t->slots[slot] = NULL;
-    t->free_slots[t->n_free++] = slot;
+    const size_t i = search(t, c->id);
+    assert(t->items[i] == c);
+    t->n--;
+    memmove(&t->items[i], &t->items[i + 1], (t->n - i) * sizeof(connection *));
     s->statistics.connections--;
     c->user->connections--;
     scheduler_remove(s, c);
@@ -55,8 +54,6 @@ void connection_table_leave(server *s, connection *c) {
 }
 
 void connection_table_each(server *s, void (*call)(connection *c)) {
-    for (size_t i = 0; i < s->table.n_slots; i++) {
-        if (s->table.slots[i] != NULL)
-            call(s->table.slots[i]);
-    }
+    for (size_t i = s->table.n; i > 0; i--)
+        call(s->table.items[i - 1]);
 }

@@ -13,12 +13,6 @@ bool dispatch_is_allowed(const connection *c) {
            TAILQ_EMPTY(&c->open.awake) && c->open.n - c->open.n_long < in_flight;
 }
 
-static void send_line_error(connection *c, int code, const char *message) {
-    sheard_rpc_error error;
-    sheard_rpc_fail(&error, code, NULL, "%s", message);
-    connection_send_error(c, NULL, &error);
-}
-
 static int admit(connection *c, const sheard_request *request, uint64_t *number,
                  sheard_rpc_error *error) {
     const size_t limit = c->server->limits.in_flight;
@@ -53,31 +47,22 @@ static void handle_line(connection *c, const char *line, size_t n) {
     sheard_request_deinit(&request);
 }
 
-static void handle_event(connection *c, enum sheard_frame_event event, const char *line, size_t n) {
-    switch (event) {
-    case SHEARD_FRAME_LINE:
-        handle_line(c, line, n);
-        break;
-    case SHEARD_FRAME_NUL:
-        send_line_error(c, SHEARD_RPC_NUL_BYTE, "there is a NUL byte in the line");
-        break;
-    case SHEARD_FRAME_TOO_LONG:
-        send_line_error(c, SHEARD_RPC_LINE_TOO_LONG, "the line is too long; the connection ends");
+/* Answer what is no line. */
+static void refuse(connection *c, enum sheard_frame_event event) {
+    static const struct {
+        int code;
+        const char *message;
+    } faults[] = {
+        [SHEARD_FRAME_NUL] = {SHEARD_RPC_NUL_BYTE, "there is a NUL byte in the line"},
+        [SHEARD_FRAME_TOO_LONG] = {SHEARD_RPC_LINE_TOO_LONG,
+                                   "the line is too long; the connection ends"},
+        [SHEARD_FRAME_NOMEM] = {SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a line"},
+    };
+    sheard_rpc_error error;
+    sheard_rpc_fail(&error, faults[event].code, NULL, "%s", faults[event].message);
+    connection_send_error(c, NULL, &error);
+    if (event == SHEARD_FRAME_TOO_LONG)
         connection_finish(c);
-        break;
-    default:
-        send_line_error(c, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a line");
-        break;
-    }
-}
-
-static void note_partial_line(connection *c, uint64_t now) {
-    const bool partial = sheard_frame_pending(&c->frame) > 0 || c->frame.skipping;
-    if (!partial) {
-        c->partial_ms = 0;
-    } else if (c->partial_ms == 0) {
-        c->partial_ms = now;
-    }
 }
 
 void dispatch_line(connection *c) {
@@ -90,7 +75,15 @@ void dispatch_line(connection *c) {
         s->statistics.lines++;
         c->active_ms = uv_now(s->loop);
         c->partial_ms = 0;
-        handle_event(c, event, line, n);
+        if (event == SHEARD_FRAME_LINE) {
+            handle_line(c, line, n);
+        } else {
+            refuse(c, event);
+        }
     }
-    note_partial_line(c, uv_now(s->loop));
+    if (sheard_frame_pending(&c->frame) == 0 && !c->frame.skipping) {
+        c->partial_ms = 0;
+    } else if (c->partial_ms == 0) {
+        c->partial_ms = uv_now(s->loop);
+    }
 }

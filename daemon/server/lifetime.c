@@ -10,8 +10,7 @@ void lifetime_free(server *s) {
     assert(s->handles == 0);
     void (*done)(void *) = s->done;
     void *context = s->done_context;
-    free(s->table.slots);
-    free(s->table.free_slots);
+    free(s->table.items);
     for (int i = 0; i < N_REFUSALS; i++)
         free(s->refusals[i]);
     free(s);

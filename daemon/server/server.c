@@ -38,7 +38,6 @@ static size_t at_most(size_t n, size_t most) {
 /* Return the limits with the bounds that always hold. */
 static server_limits within_bounds(server_limits l) {
     l.line_bytes = at_most(l.line_bytes, sheard_rpc_request_limits.line);
-    l.connections = at_most(l.connections, CONNECTION_SLOTS);
     l.reserved_connections = at_most(l.reserved_connections, l.connections / 4);
     if (l.user_connections == 0)
         l.user_connections = l.connections / 4;

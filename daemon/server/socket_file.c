@@ -77,21 +77,20 @@ static bool is_current(int fd, const char *path) {
 
 static int acquire_lock(socket_file *file, shear_error *err) {
     for (;;) {
-        file->lock =
+        CLEANUP(release_fd)
+        int fd =
             open(file->lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
-        if (file->lock < 0)
+        if (fd < 0)
             return failed("cannot make the lock beside it", file->path, err);
-        if (flock(file->lock, LOCK_EX | LOCK_NB) != 0) {
-            const bool taken = errno == EWOULDBLOCK;
-            const int code =
-                taken ? is_served(file->path, err) : failed("cannot lock", file->path, err);
-            close(file->lock);
-            file->lock = -1;
-            return code;
+        if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+            return errno == EWOULDBLOCK ? is_served(file->path, err)
+                                        : failed("cannot lock", file->path, err);
         }
-        if (is_current(file->lock, file->lock_path))
+        if (is_current(fd, file->lock_path)) {
+            file->lock = fd;
+            fd = -1;
             return SHEAR_OK;
-        close(file->lock);
+        }
     }
 }
 
