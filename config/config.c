@@ -80,8 +80,6 @@ int sheard_config_init(sheard_config *config, shear_error *err) {
 }
 
 void sheard_config_deinit(sheard_config *config) {
-    if (config == NULL)
-        return;
     for (size_t i = 0; i < config_n_rows; i++)
         value_deinit(&config_rows[i], config_member(config, &config_rows[i]));
     free(config->path);

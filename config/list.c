@@ -2,6 +2,8 @@
 /* Manage lists of strings. */
 #include "sheard/config.h"
 
+#include "base/buffer.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,9 +21,16 @@ int sheard_list_append(sheard_list *list, const char *text, shear_error *err) {
     return SHEAR_OK;
 }
 
+char *sheard_list_join(const sheard_list *list) {
+    buffer text = {0};
+    for (size_t i = 0; i < list->n; i++) {
+        buffer_add_text(&text, i > 0 ? ", " : "");
+        buffer_add_text(&text, list->items[i]);
+    }
+    return buffer_take(&text, NULL);
+}
+
 void sheard_list_deinit(sheard_list *list) {
-    if (list == NULL)
-        return;
     for (size_t i = 0; i < list->n; i++)
         free(list->items[i]);
     free(list->items);

@@ -5,7 +5,6 @@
 #include "table.h"
 #include "value.h"
 
-#include <assert.h>
 #include <string.h>
 
 bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t index) {
@@ -32,11 +31,11 @@ size_t sheard_config_changes(const sheard_config *a, const sheard_config *b, boo
 }
 
 static void swap_bytes(void *a, void *b, size_t n) {
-    value kept;
-    assert(n <= sizeof kept);
-    memcpy(&kept, a, n);
-    memcpy(a, b, n);
-    memcpy(b, &kept, n);
+    for (char *x = a, *y = b; n > 0; n--, x++, y++) {
+        const char kept = *x;
+        *x = *y;
+        *y = kept;
+    }
 }
 
 /* Exchange the values that may change while running, and the origins of all. A second call undoes
@@ -47,9 +46,7 @@ static void exchange(sheard_config *a, sheard_config *b) {
         if (!s->at_start)
             swap_bytes(config_member(a, s), config_member(b, s), value_size(s));
     }
-    shear_settings measure = a->measure;
-    a->measure = b->measure;
-    b->measure = measure;
+    swap_bytes(&a->measure, &b->measure, sizeof a->measure);
     swap_bytes(&a->path, &b->path, sizeof a->path);
     swap_bytes(&a->lines, &b->lines, sizeof a->lines);
 }
@@ -61,7 +58,7 @@ static void note_kept(sheard_config *running, const sheard_config *fresh,
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         const sheard_setting s = sheard_setting_at(i);
         if (s.at_start && !sheard_config_same(running, fresh, i)) {
-            problems_warn(problems, running, i, "restart the daemon for it",
+            problems_warn(problems, running, i, "restart the daemon to apply it",
                           "[%s] %s: the change takes effect at the next start", s.section, s.key);
             running->lines[i] = ORIGIN_EARLIER;
         }

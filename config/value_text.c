@@ -2,7 +2,6 @@
 /* Describe, format, compare and free values. */
 #include "value.h"
 
-#include "base/buffer.h"
 #include "base/text.h"
 
 #include <assert.h>
@@ -67,15 +66,6 @@ char *value_expected(const sheard_setting *s, char *buf, size_t size) {
     return buf;
 }
 
-static char *join(const sheard_list *list) {
-    buffer text = {0};
-    for (size_t i = 0; i < list->n; i++) {
-        buffer_add_text(&text, i > 0 ? ", " : "");
-        buffer_add_text(&text, list->items[i]);
-    }
-    return buffer_take(&text, NULL);
-}
-
 static char *format_number(const sheard_setting *s, int64_t number) {
     char buf[VALUE_TEXT_MAX];
     return strdup(number_format(s, number, buf, sizeof buf));
@@ -83,7 +73,7 @@ static char *format_number(const sheard_setting *s, int64_t number) {
 
 char *value_format(const sheard_setting *s, const void *member) {
     if (value_is_list(s))
-        return join(member);
+        return sheard_list_join(member);
     switch (s->type) {
     case SHEARD_T_PATH:
     case SHEARD_T_NAME:

@@ -27,9 +27,6 @@ enum access_code {
     ACCESS_E_NOT_REGULAR,
     ACCESS_E_ROOT /* the data root is missing now */
 };
-/* Return the code's name: "bad_path", "outside_roots", "not_found", "permission_denied",
- * "service_denied", "not_regular", "root_missing"; for other codes that of shear_code_name. */
-const char *access_code_name(int code);
 
 /* ---- peers ---- */
 

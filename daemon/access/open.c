@@ -16,14 +16,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char *access_code_name(int code) {
-    static const char *const names[] = {"bad_path",          "outside_roots",  "not_found",
-                                        "permission_denied", "service_denied", "not_regular",
-                                        "root_missing"};
-    return code >= ACCESS_E_PATH && code <= ACCESS_E_ROOT ? names[code - ACCESS_E_PATH]
-                                                          : shear_code_name(code);
-}
-
 /* A file to be opened beneath one root. */
 typedef struct request {
     int root;
@@ -139,16 +131,16 @@ static int try_root(const char *name, bool by_name, request *r, int *fd, char **
 static int try_roots(const access_roots *roots, bool by_name, request *r, int *fd, char **canonical,
                      shear_error *err) {
     int code = ACCESS_E_OUTSIDE;
-    for (size_t i = 0; i < roots->n && code == ACCESS_E_OUTSIDE; i++)
-        code = try_root(roots->names[i], by_name, r, fd, canonical, err);
+    for (size_t i = 0; i < roots->names.n && code == ACCESS_E_OUTSIDE; i++)
+        code = try_root(roots->names.items[i], by_name, r, fd, canonical, err);
     return code;
 }
 
 /* Return ACCESS_E_ROOT if a root that the path is beneath is missing. */
 static int check_roots_of(const access_roots *roots, const char *path, shear_error *err) {
-    for (size_t i = 0; i < roots->n; i++) {
-        if (path_beneath(path, roots->names[i]) != NULL)
-            TRY(access_root_check(roots->names[i], err));
+    for (size_t i = 0; i < roots->names.n; i++) {
+        if (path_beneath(path, roots->names.items[i]) != NULL)
+            TRY(access_root_check(roots->names.items[i], err));
     }
     return SHEAR_OK;
 }

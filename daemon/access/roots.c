@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "access/roots.h"
 
-#include "base/buffer.h"
 #include "base/cleanup.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -61,32 +59,12 @@ int access_root_check(const char *path, shear_error *err) {
 }
 
 int access_roots_check(const access_roots *roots, shear_error *err) {
-    for (size_t i = 0; i < roots->n; i++)
-        TRY(access_root_check(roots->names[i], err));
+    for (size_t i = 0; i < roots->names.n; i++)
+        TRY(access_root_check(roots->names.items[i], err));
     return SHEAR_OK;
 }
 
-/* Return all names as text for messages, or NULL if out of memory. */
-static char *list_names(char *const *paths, size_t n) {
-    buffer names = {0};
-    buffer_add_text(&names, n == 0 ? "none is configured" : "");
-    for (size_t i = 0; i < n; i++) {
-        buffer_add_text(&names, i == 0 ? "" : ", ");
-        buffer_add_text(&names, paths[i]);
-    }
-    return buffer_take(&names, NULL);
-}
-
-static bool copy_names(access_roots *roots, char *const *paths, size_t n) {
-    roots->names = calloc(n + 1, sizeof *roots->names);
-    roots->text = list_names(paths, n);
-    bool ok = roots->names != NULL && roots->text != NULL;
-    for (; ok && roots->n < n; roots->n++) {
-        roots->names[roots->n] = strdup(paths[roots->n]);
-        ok = roots->names[roots->n] != NULL;
-    }
-    return ok;
-}
+CLEANUP_DEFINE(access_roots, access_roots_free)
 
 int access_roots_new(access_roots **out, char *const *paths, size_t n, shear_error *err) {
     *out = NULL;
@@ -96,21 +74,22 @@ int access_roots_new(access_roots **out, char *const *paths, size_t n, shear_err
                               "data root '%s': is not absolute", paths[i]);
         }
     }
-    access_roots *roots = calloc(1, sizeof *roots);
-    if (roots == NULL || !copy_names(roots, paths, n)) {
-        access_roots_free(roots);
+    CLEANUP(access_roots_release) access_roots *roots = calloc(1, sizeof *roots);
+    if (roots == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
-    }
-    *out = roots;
+    for (size_t i = 0; i < n; i++)
+        TRY(sheard_list_append(&roots->names, paths[i], err));
+    roots->text = n > 0 ? sheard_list_join(&roots->names) : strdup("none is configured");
+    if (roots->text == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
+    *out = CLEANUP_TAKE(roots);
     return SHEAR_OK;
 }
 
 void access_roots_free(access_roots *roots) {
     if (roots == NULL)
         return;
-    for (size_t i = 0; i < roots->n; i++)
-        free(roots->names[i]);
-    free(roots->names);
+    sheard_list_deinit(&roots->names);
     free(roots->text);
     free(roots);
 }

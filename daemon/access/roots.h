@@ -3,10 +3,10 @@
 #pragma once
 
 #include "access/access.h"
+#include "sheard/config.h"
 
 struct access_roots {
-    char **names; /* [n] */
-    size_t n;
+    sheard_list names;
     char *text; /* all names, for messages */
 };
 

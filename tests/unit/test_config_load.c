@@ -363,9 +363,7 @@ static void warnings(void **state) {
 static void free_of_nothing(void **state) {
     (void)state;
     sheard_config config = {0};
-    sheard_config_deinit(NULL);
     sheard_config_deinit(&config);
-    sheard_list_deinit(NULL);
 }
 
 int main(void) {

@@ -37,6 +37,8 @@ typedef struct sheard_list {
 
 /* Append a copy of `text`. A list is initialized as {0}. Return SHEAR_OK or SHEAR_E_NOMEM. */
 int sheard_list_append(sheard_list *list, const char *text, shear_error *err);
+/* Return the items as text, separated by ", ", from malloc, or NULL if out of memory. */
+char *sheard_list_join(const sheard_list *list);
 void sheard_list_deinit(sheard_list *list);
 
 enum sheard_log_level {
