@@ -83,17 +83,14 @@ char *number_format(const sheard_setting *s, int64_t number, char *buf, size_t s
     return buf;
 }
 
-int number_parse(const sheard_setting *s, const char *text, int64_t *number, shear_error *err) {
+bool number_parse(const sheard_setting *s, const char *text, int64_t *number) {
+    int64_t n = 0;
     if (s->word != NULL && strcmp(text, s->word) == 0) {
         *number = 0;
-        return SHEAR_OK;
+        return true;
     }
-    int64_t n = 0;
-    char expected[128];
-    if (!read_number(s, text, &n) || n < s->min || n > s->max) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "'%.60s' is not %s", text,
-                          value_expected(s, expected, sizeof expected));
-    }
+    if (!read_number(s, text, &n) || n < s->min || n > s->max)
+        return false;
     *number = n;
-    return SHEAR_OK;
+    return true;
 }

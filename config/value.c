@@ -44,7 +44,7 @@ static int check_path(const sheard_setting *s, const char *text, shear_error *er
                           (int)s->max);
     }
     if (has_dots(text)) {
-        return shear_fail(err, SHEAR_E_SETTING, "write the path that is meant",
+        return shear_fail(err, SHEAR_E_SETTING, "write the path without them",
                           "'%.200s' has a part '.' or '..'", text);
     }
     if (has_unwritable(text) || (s->type == SHEARD_T_PATHS && strchr(text, ',') != NULL)) {
@@ -155,9 +155,18 @@ static int parse_bool(const char *text, bool *flag, shear_error *err) {
                       "'%.60s' is not one of: true, false (or yes, no, on, off, 1, 0)", text);
 }
 
+static int parse_number(const sheard_setting *s, const char *text, int64_t *number,
+                        shear_error *err) {
+    char expected[128];
+    if (number_parse(s, text, number))
+        return SHEAR_OK;
+    return shear_fail(err, SHEAR_E_SETTING, NULL, "'%.60s' is not %s", text,
+                      value_expected(s, expected, sizeof expected));
+}
+
 static int parse_mode(const sheard_setting *s, const char *text, unsigned *mode, shear_error *err) {
     int64_t number = 0;
-    TRY(number_parse(s, text, &number, err));
+    TRY(parse_number(s, text, &number, err));
     *mode = (unsigned)number;
     return SHEAR_OK;
 }
@@ -177,7 +186,7 @@ static int parse(const sheard_setting *s, const char *text, value *parsed, shear
     case SHEARD_T_MODE:
         return parse_mode(s, text, &parsed->member.bits, err);
     default:
-        return number_parse(s, text, &parsed->member.count, err);
+        return parse_number(s, text, &parsed->member.count, err);
     }
 }
 

@@ -27,8 +27,9 @@ char *value_expected(const sheard_setting *s, char *buf, size_t size);
  * given and what is expected. */
 int value_parse(const sheard_setting *s, const char *text, value *parsed, shear_error *err);
 
-/* Parse a number (also a mode) into *number. */
-int number_parse(const sheard_setting *s, const char *text, int64_t *number, shear_error *err);
+/* Parse a number (also a mode) into *number. Return false if the text is not a number
+ * in the range. */
+bool number_parse(const sheard_setting *s, const char *text, int64_t *number);
 
 /* Format a number according to the setting's type, with the largest unit that leaves a whole
  * number: "90s", "4K", "0660"; or the word for 0, if there is one. Return buf. */
