@@ -5,7 +5,6 @@
 #include <errno.h>
 #include <float.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -80,4 +79,21 @@ int text_digits(double value, int least) {
             return digits;
     }
     return DBL_DECIMAL_DIG;
+}
+
+void text_wrap(FILE *out, const char *text, int column, const char *indent) {
+    bool fresh = true; /* nothing on this line yet */
+    while (*text != '\0') {
+        int length = (int)strcspn(text, " ");
+        if (!fresh && column + 1 + length > TEXT_COLUMNS) {
+            fprintf(out, "\n%s", indent);
+            column = (int)strlen(indent);
+            fresh = true;
+        }
+        column += fprintf(out, "%s%.*s", fresh ? "" : " ", length, text);
+        fresh = false;
+        text += length;
+        text += strspn(text, " ");
+    }
+    fputc('\n', out);
 }

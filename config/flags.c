@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Provide command-line options for settings. */
 #include "base/cleanup.h"
+#include "base/text.h"
 #include "sheard/config.h"
 #include "text.h"
 #include "value.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Print configurations as files: the commented sample, and the settings in effect. */
 #include "base/cleanup.h"
+#include "base/text.h"
 #include "origin.h"
 #include "text.h"
 #include "value.h"
@@ -10,10 +11,10 @@
 enum { EXPECTED_MAX = 256 };
 
 static const char preamble[] =
-    "Every setting is here with its default behind a '#': take the '#' away to change one. "
-    "Settings are written key = value, in their section. A comment is a line that begins with '#' "
-    "or ';', or what follows ' ;' behind a value. A list may go on in further lines that begin "
-    "with a space. Sizes have the units K, M, G, T (powers of 1024), durations ms, s, min, h, d.";
+    "Every setting is listed with its default after a '#': remove the '#' to change one. Settings "
+    "are written key = value, in their section. A comment is a line that begins with '#' or ';', "
+    "or what follows ' ;' after a value. A list may go on in further lines that begin with a "
+    "space. Sizes have the units K, M, G, T (powers of 1024), durations ms, s, min, h, d.";
 static const char preamble_use[] =
     "sheard --check-config lists the errors of this file; systemctl reload sheard (or shearctl "
     "reload) makes the daemon read it again, but keep its old configuration if there are errors. "

@@ -9,23 +9,6 @@
 #include <float.h>
 #include <string.h>
 
-void text_wrap(FILE *out, const char *text, int column, const char *indent) {
-    bool fresh = true; /* nothing on this line yet */
-    while (*text != '\0') {
-        int length = (int)strcspn(text, " ");
-        if (!fresh && column + 1 + length > TEXT_LINE) {
-            fprintf(out, "\n%s", indent);
-            column = (int)strlen(indent);
-            fresh = true;
-        }
-        column += fprintf(out, "%s%.*s", fresh ? "" : " ", length, text);
-        fresh = false;
-        text += length;
-        text += strspn(text, " ");
-    }
-    fputc('\n', out);
-}
-
 static void expect_measure(const shear_setting_def *def, char *buf, size_t size) {
     const char *kind = def->type == SHEAR_T_INT ? "a whole number" : "a number";
     if (def->type == SHEAR_T_CHOICE) {

@@ -4,12 +4,6 @@
 
 #include "sheard/config.h"
 
-enum { TEXT_LINE = 78 }; /* columns */
-
-/* Print the words of `text` from column `column` on, and end the line. Further lines begin with
- * `indent`. */
-void text_wrap(FILE *out, const char *text, int column, const char *indent);
-
 /* Describe the values of a setting: "A whole number of threads from 1 to 1024, or auto." Return
  * buf. */
 char *text_expected(const sheard_setting *s, char *buf, size_t size);

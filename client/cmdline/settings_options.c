@@ -68,28 +68,9 @@ static void setting_text_init(setting_text *t, const shear_setting_def *def) {
         text_list(t->choices, sizeof t->choices, def->choices);
 }
 
-/* Print the words of `text` from column `indent` on, at most 78 columns wide; the cursor is at
- * `column`. */
-static void print_wrapped(FILE *out, const char *text, int column, int indent) {
-    while (*text != '\0') {
-        int length = (int)strcspn(text, " ");
-        if (column + 1 + length > 78 && column > indent) {
-            fprintf(out, "\n%*s", indent, "");
-            column = indent;
-        } else if (column > indent) {
-            fputc(' ', out);
-            column++;
-        }
-        fprintf(out, "%.*s", length, text);
-        column += length;
-        text += length;
-        text += strspn(text, " ");
-    }
-    fputc('\n', out);
-}
-
 static void print_help(const shear_setting_def *def, FILE *out) {
-    enum { INDENT = 26 };
+    static const char indent[] = "                          ";
+    enum { INDENT = sizeof indent - 1 };
     char text[768];
     setting_text t;
     setting_text_init(&t, def);
@@ -103,7 +84,7 @@ static void print_help(const shear_setting_def *def, FILE *out) {
         column = 0;
     }
     fprintf(out, "%*s", INDENT - column, "");
-    print_wrapped(out, text, INDENT, INDENT);
+    text_wrap(out, text, INDENT, indent);
 }
 
 void settings_options_help(FILE *out) {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* base/text.h: texts in buffers of fixed size, and numbers in texts. */
+/* base/text.h: texts in buffers of fixed size, numbers in texts, and lines for terminals. */
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* Copy the text into buf[size], size > 0; NULL is the empty text. What does not fit is cut off.
  * Return whether all of it fitted. */
@@ -39,3 +40,9 @@ bool text_to_bool(const char *text, bool *value);
 /* Return the fewest significant digits, from `least` to 17, with which "%.*g" writes a finite value
  * so that strtod reads the same bits back. */
 int text_digits(double value, int least);
+
+enum { TEXT_COLUMNS = 78 }; /* of a line */
+
+/* Print the words of `text` from column `column` on, and end the line. Further lines begin with
+ * `indent`. */
+void text_wrap(FILE *out, const char *text, int column, const char *indent);
