@@ -34,7 +34,7 @@ void retention_begin(retention *w) {
         w->folder = DONE;
 }
 
-static const spool_retention *limits(const spool *s) {
+static const sheard_keep *limits(const spool *s) {
     return s->retention.folder == DONE ? &s->tuning.done : &s->tuning.failed;
 }
 
@@ -151,7 +151,7 @@ static void read_some(spool *s) {
 
 /* ---- removing ---- */
 
-static bool too_much(const retention *w, const spool_retention *keep, int64_t now_ns) {
+static bool too_much(const retention *w, const sheard_keep *keep, int64_t now_ns) {
     if (w->next == w->n)
         return false;
     const int64_t age_ms = (now_ns - w->items[w->next].ended_ns) / ns_per_ms;
@@ -204,7 +204,7 @@ bool retention_step(spool *s) {
     }
     if (w->items != NULL)
         return remove_some(s);
-    const spool_retention *keep = limits(s);
+    const sheard_keep *keep = limits(s);
     const bool limited = keep->max_age_ms > 0 || keep->max_count > 0 || keep->max_bytes > 0;
     w->dir = limited ? folder_list(&s->folders, w->folder) : NULL;
     if (w->dir == NULL)

@@ -27,6 +27,7 @@
 #pragma once
 
 #include "shear/error.h"
+#include "sheard/config.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -80,17 +81,11 @@ typedef struct spool_place {
     char fingerprint[SPOOL_FINGERPRINT_SIZE];
 } spool_place;
 
-/* Limits of done/ or failed/; the oldest files are removed first, together with their reports. 0:
- * no limit. */
-typedef struct spool_retention {
-    int64_t max_age_ms, max_count, max_bytes;
-} spool_retention;
-
 /* Settings that may change while the spool is open. */
 typedef struct spool_tuning {
-    int64_t settle_ms; /* >= 0 */
-    int64_t scan_ms;   /* > 0: interval of scans */
-    spool_retention done, failed;
+    int64_t settle_ms;        /* >= 0 */
+    int64_t scan_ms;          /* > 0: interval of scans */
+    sheard_keep done, failed; /* the oldest files are removed first, with their reports */
 } spool_tuning;
 
 typedef struct spool spool;

@@ -67,10 +67,8 @@ reader_limits tuning_reader(const sheard_config *c) {
 }
 
 spool_tuning tuning_spool(const sheard_config *c) {
-    return (spool_tuning){
-        .settle_ms = c->spool.settle_time_ms,
-        .scan_ms = c->spool.scan_interval_ms,
-        .done = {c->spool.done.max_age_ms, c->spool.done.max_count, c->spool.done.max_bytes},
-        .failed = {c->spool.failed.max_age_ms, c->spool.failed.max_count,
-                   c->spool.failed.max_bytes}};
+    return (spool_tuning){.settle_ms = c->spool.settle_time_ms,
+                          .scan_ms = c->spool.scan_interval_ms,
+                          .done = c->spool.done,
+                          .failed = c->spool.failed};
 }
