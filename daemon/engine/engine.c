@@ -2,8 +2,6 @@
 /* Create the engine and its threads, and serve the calls of its owner. */
 #include "base/cleanup.h"
 #include "engine/internal.h"
-#include "engine/job_thread.h"
-#include "engine/workers.h"
 
 #include <stdlib.h>
 #include <string.h>

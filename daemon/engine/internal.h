@@ -50,5 +50,11 @@ struct engine {
     int64_t stamps_total;
 };
 
+/* The main functions of the threads. A worker, of the argument's slot, measures the stamps of all
+ * jobs until the engine stops. A job's own thread runs the job, in the engine's list, from opening
+ * its files to its last event, and frees it. */
+void *worker_main(void *worker);
+void *job_thread_main(void *job);
+
 /* Assert that the engine's lock is held. */
 #define ENGINE_ASSERT_LOCKED(e) assert(pthread_mutex_trylock(&(e)->lock) == EBUSY)

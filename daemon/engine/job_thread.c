@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Run one job in a thread of its own. This thread starts the reader, and must outlive it: the
  * kernel kills a child whose parent thread ends (PR_SET_PDEATHSIG). */
-#include "engine/job_thread.h"
-
 #include "engine/internal.h"
 
 static void set_phase(engine *e, job *j, enum job_phase phase) {

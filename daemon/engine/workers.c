@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/workers.h"
-
+/* Worker threads: choose a job, and measure a part of it. */
 #include "base/clock.h"
 #include "engine/internal.h"
 

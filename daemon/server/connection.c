@@ -115,16 +115,20 @@ void connection_notify(connection *c, out_line *line) {
     }
 }
 
+out_line *connection_notice(enum sheard_notice notice, const sheard_notice_params *params) {
+    sheard_rpc_error error;
+    char *text = NULL;
+    size_t n = 0;
+    sheard_notice_line(&text, &n, notice, params, &error);
+    return out_line_new(text, n);
+}
+
 void connection_tell_lost(connection *c) {
     if (c->lost == 0 || c->finishing || c->out.bytes > c->server->limits.queue_bytes / 16)
         return;
     const sheard_notice_params params = {.lost.count = (int64_t)c->lost};
-    sheard_rpc_error error;
-    char *text = NULL;
-    size_t n = 0;
-    sheard_notice_line(&text, &n, SHEARD_NOTICE_LOST, &params, &error);
     c->lost = 0;
-    connection_send(c, out_line_new(text, n));
+    connection_send(c, connection_notice(SHEARD_NOTICE_LOST, &params));
 }
 
 void connection_send_error(connection *c, const sheard_rpc_id *id, const sheard_rpc_error *error) {

@@ -66,6 +66,8 @@ void connection_abort(connection *c);
 /* Queue a line and take over the caller's reference. NULL means that there was no memory for the
  * line: the connection is then aborted. */
 void connection_send(connection *c, out_line *line);
+/* Make a notification, with one reference. Return NULL if out of memory. */
+out_line *connection_notice(enum sheard_notice notice, const sheard_notice_params *params);
 /* Queue a notification, or count it as lost. The reference stays the caller's. */
 void connection_notify(connection *c, out_line *line);
 /* Queue a notification of how many were lost, if the queue is short enough. */

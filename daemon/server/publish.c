@@ -57,23 +57,13 @@ bool server_is_watched(const server *s, enum sheard_notice notice, int64_t job, 
     return false;
 }
 
-static out_line *make_notice(server *s, enum sheard_notice notice,
-                             const sheard_notice_params *params) {
-    sheard_rpc_error error;
-    char *text = NULL;
-    size_t n = 0;
-    sheard_notice_line(&text, &n, notice, params, &error);
-    out_line *line = out_line_new(text, n);
-    if (line != NULL)
-        out_line_count(line, &s->notice_bytes);
-    return line;
-}
-
 void server_publish(server *s, enum sheard_notice notice, int64_t job, const char *field,
                     const sheard_notice_params *params) {
     if (!server_is_watched(s, notice, job, field))
         return;
-    out_line *line = make_notice(s, notice, params);
+    out_line *line = connection_notice(notice, params);
+    if (line != NULL)
+        out_line_count(line, &s->notice_bytes);
     connection *c;
     TAILQ_FOREACH(c, &s->subscribers, subscriber_link) {
         if (subscriptions_match(&c->subscriptions, notice, job, field))
