@@ -9,13 +9,9 @@
 #include <string.h>
 
 static bool allocate(job *j, const engine_job *spec) {
-    const size_t workers = (size_t)j->workers;
     j->catalog_path = spec->catalog != NULL ? strdup(spec->catalog) : NULL;
-    j->team = calloc(workers, sizeof(shear_worker *));
-    j->entering = calloc(workers, sizeof *j->entering);
-    j->is_member = calloc(workers, sizeof *j->is_member);
-    return j->team != NULL && j->entering != NULL && j->is_member != NULL &&
-           (spec->catalog == NULL || j->catalog_path != NULL);
+    j->seats = calloc((size_t)j->workers, sizeof *j->seats);
+    return j->seats != NULL && (spec->catalog == NULL || j->catalog_path != NULL);
 }
 
 job *job_new(const engine_job *spec, engine *e) {
@@ -49,11 +45,9 @@ void job_free(job *j) {
     if (j == NULL)
         return;
     assert(j->holders == 0);
-    for (int i = 0; j->team != NULL && i < j->workers; i++)
-        shear_worker_free(j->team[i]);
-    free(j->team);
-    free(j->entering);
-    free(j->is_member);
+    for (int i = 0; j->seats != NULL && i < j->workers; i++)
+        shear_worker_free(j->seats[i].worker);
+    free(j->seats);
     free(j->sums_before);
     shear_work_free(j->work);
     reader_stop(j->reader);

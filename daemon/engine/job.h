@@ -21,6 +21,13 @@ enum job_phase {
     JOB_FINISHING  /* the job's own thread works on it */
 };
 
+/* A worker, as a job knows it. The engine's lock guards all but `worker`. */
+typedef struct job_seat {
+    bool is_member;       /* it has served the job */
+    bool entering;        /* it has not yet begun the first read of its work unit */
+    shear_worker *worker; /* made by its thread at the first work unit */
+} job_seat;
+
 typedef struct job {
     struct job *next; /* in the engine's list */
     engine *engine;
@@ -36,12 +43,10 @@ typedef struct job {
     int64_t counted;      /* measured stamps included in the engine's total */
     int holders;          /* workers inside this job */
     int reading;          /* of those, the ones that read or are about to */
-    bool *entering;   /* [workers] whether the worker has not yet begun the first read of its work
-                         unit */
-    int team_size;    /* most workers that may serve it: memory is reserved for these */
-    int members;      /* workers that have served it */
-    bool *is_member;  /* [workers] whether the worker has served it */
-    int64_t reserved; /* bytes of the budget */
+    job_seat *seats;      /* [workers] */
+    int team_size;        /* most workers that may serve it: memory is reserved for these */
+    int members;          /* workers that have served it */
+    int64_t reserved;     /* bytes of the budget */
     int64_t waiting_since; /* its ticket while it waits for memory, else 0 */
 
     job_files files;
@@ -63,7 +68,6 @@ typedef struct job {
     shear_unit_size size;
     shear_work *work;
     char checksum[SHEAR_CHECKSUM_SIZE];
-    shear_worker **team;      /* [workers], each made by its thread at the first work unit */
     int64_t checkpoint_block; /* next_block of the last checkpoint */
     int64_t checkpoint_ms;    /* time of the last checkpoint */
     double started_s;

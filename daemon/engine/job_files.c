@@ -9,10 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static int n_files(const shear_input *input) {
-    return input->path != NULL ? 1 : SHEAR_N_PARTS;
-}
-
 static bool copy(const char **to, const char *from) {
     *to = from != NULL ? strdup(from) : NULL;
     return from == NULL || *to != NULL;
@@ -22,7 +18,7 @@ bool job_files_acquire(job_files *f, const shear_input *input, const int *fds) {
     *f = (job_files){.input = shear_input_of_file(NULL)};
     bool ok = copy(&f->input.path, input->path);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        f->fds[i] = i < n_files(input) ? fds[i] : -1;
+        f->fds[i] = i == 0 || input->path == NULL ? fds[i] : -1;
         f->input.parts[i].hdu = input->parts[i].hdu;
         ok = copy(&f->input.parts[i].path, input->parts[i].path) && ok;
         ok = copy(&f->input.parts[i].extname, input->parts[i].extname) && ok;

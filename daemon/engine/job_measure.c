@@ -33,8 +33,8 @@ static int open_catalog(job *j, int64_t *first_block, shear_error *err) {
 /* Count a worker that begins to read. Its first read was counted when it entered the job. */
 static void count_reader(job *j, int slot) {
     LOCKED(&j->engine->lock);
-    j->reading += !j->entering[slot];
-    j->entering[slot] = false;
+    j->reading += !j->seats[slot].entering;
+    j->seats[slot].entering = false;
 }
 
 static void discount_reader(job *j) {
@@ -103,10 +103,10 @@ int job_begin(job *j, shear_error *err) {
 }
 
 bool job_step(job *j, int slot, shear_error *err) {
-    if (j->team[slot] == NULL &&
-        shear_worker_new(&j->team[slot], j->plan, j->size, slot, err) != SHEAR_OK) {
+    shear_worker **w = &j->seats[slot].worker;
+    if (*w == NULL && shear_worker_new(w, j->plan, j->size, slot, err) != SHEAR_OK) {
         shear_work_fail(j->work, err);
         return false;
     }
-    return shear_work_step(j->work, j->team[slot]);
+    return shear_work_step(j->work, *w);
 }

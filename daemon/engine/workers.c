@@ -9,7 +9,7 @@
  * would only wait for the reader, maybe for long: it had better serve another job. */
 static bool wants_worker(const job *j, int slot) {
     return j->phase == JOB_MEASURING && j->reading == 0 &&
-           (j->is_member[slot] || j->members < j->team_size) &&
+           (j->seats[slot].is_member || j->members < j->team_size) &&
            !shear_work_get_status(j->work).exhausted;
 }
 
@@ -47,15 +47,16 @@ static bool checkpoint_due(engine *e, job *j) {
 /* Do one work unit of a job. The lock is held on entry and on return. */
 static void serve(engine *e, job *j, int slot) {
     const int64_t unit = (int64_t)j->size.blocks * SHEAR_BLOCK;
+    job_seat *seat = &j->seats[slot];
     shear_error err;
     ENGINE_ASSERT_LOCKED(e);
     assert(j->phase == JOB_MEASURING);
     j->served += unit;
     j->holders++;
     j->reading++;
-    j->entering[slot] = true;
-    j->members += !j->is_member[slot];
-    j->is_member[slot] = true;
+    seat->entering = true;
+    j->members += !seat->is_member;
+    seat->is_member = true;
     e->busy++;
     pthread_mutex_unlock(&e->lock);
     job_step(j, slot, &err);
@@ -66,8 +67,8 @@ static void serve(engine *e, job *j, int slot) {
     const int64_t done = shear_work_get_status(j->work).stamps_done; /* work units differ in size */
     e->stamps_total += done - j->counted;
     j->counted = done;
-    j->reading -= j->entering[slot];
-    j->entering[slot] = false;
+    j->reading -= seat->entering;
+    seat->entering = false;
     j->holders--;
     if (job_is_measured(j))
         pthread_cond_broadcast(&e->progressed);
