@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lines, points with error bars, bands and histograms on the open axes. */
+/* Lines, points with error bars and histograms on the open axes. */
 #include "internal.h"
 
 #include <math.h>
@@ -82,32 +82,6 @@ void shear_axes_points(shear_figure *f, size_t n, const double *x, const double 
             pen_marker(f, px, py, style);
     }
     marks_end(f, SWATCH_POINT, style);
-}
-
-/* Add the outline of values [from, to), all of which have a position. */
-static void band_piece(shear_figure *f, size_t from, size_t to, const double *x, const double *lo,
-                       const double *hi, const shear_style *style) {
-    for (size_t i = from; i < to; i++)
-        cairo_line_to(f->cr, axes_x(&f->axes, x[i]), axes_y(&f->axes, hi[i]));
-    for (size_t i = to; i-- > from;)
-        cairo_line_to(f->cr, axes_x(&f->axes, x[i]), axes_y(&f->axes, lo[i]));
-    pen_fill(f, style, BAND_OPACITY);
-}
-
-void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *lo, const double *hi,
-                     const shear_style *style) {
-    if (!marks_begin(f))
-        return;
-    size_t from = 0;
-    for (size_t i = 0; i <= n; i++) {
-        const bool gap = i == n || isnan(axes_x(&f->axes, x[i])) ||
-                         isnan(axes_y(&f->axes, lo[i])) || isnan(axes_y(&f->axes, hi[i]));
-        if (gap) {
-            band_piece(f, from, i, x, lo, hi, style);
-            from = i + 1;
-        }
-    }
-    marks_end(f, SWATCH_BAND, style);
 }
 
 /* Add the steps of the histogram, from the base line and back to it. */

@@ -173,7 +173,6 @@ static void test_wild_numbers_do_no_harm(void **state) {
             begin(f, ranges[i], ranges[i], log);
             shear_axes_line(f, N, wild, wild, &style);
             shear_axes_points(f, N, wild, wild, wild, wild, &style);
-            shear_axes_band(f, N, wild, wild, wild, &style);
             shear_axes_vband(f, NAN, 1.0, &style);
             shear_axes_hline(f, INFINITY, &style);
             shear_axes_circle(f, NAN, 0.0, 1e300, &style);

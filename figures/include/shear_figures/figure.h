@@ -134,10 +134,7 @@ void shear_axes_points(shear_figure *f, size_t n, const double *x, const double 
 /* Draw lines across the whole frame. */
 void shear_axes_hline(shear_figure *f, double y, const shear_style *style);
 void shear_axes_vline(shear_figure *f, double x, const shear_style *style);
-/* Fill the area between two lines, or between two values across the whole frame; at least one pixel
- * wide. */
-void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *lo, const double *hi,
-                     const shear_style *style);
+/* Fill the area between two values of x across the whole frame; at least one pixel wide. */
 void shear_axes_vband(shear_figure *f, double lo, double hi, const shear_style *style);
 /* Draw counts[bins] in equal bins of r, as steps; filled with style.fill. */
 void shear_axes_histogram(shear_figure *f, int bins, shear_range r, const double *counts,
