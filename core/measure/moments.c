@@ -68,15 +68,19 @@ static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t
     *other = n;
 }
 
-SHEAR_SIMD static void sum_spectrum(const mode_rows *rows, const double *t, size_t stride, int last,
-                                    enum spectra which, lane_sums *out, lane_sums *other) {
-    if (which == DIFFERENCE) {
-        sum_rows(rows, t, stride, last, DIFFERENCE, out, other);
-    } else if (which == WITH_NOISE) {
-        sum_rows(rows, t, stride, last, WITH_NOISE, out, other);
-    } else {
-        sum_rows(rows, t, stride, last, CROSS, out, other);
-    }
+SHEAR_SIMD static void sum_difference(const mode_rows *rows, const double *t, size_t stride,
+                                      int last, lane_sums *out, lane_sums *other) {
+    sum_rows(rows, t, stride, last, DIFFERENCE, out, other);
+}
+
+SHEAR_SIMD static void sum_with_noise(const mode_rows *rows, const double *t, size_t stride,
+                                      int last, lane_sums *out, lane_sums *other) {
+    sum_rows(rows, t, stride, last, WITH_NOISE, out, other);
+}
+
+SHEAR_SIMD static void sum_cross(const mode_rows *rows, const double *t, size_t stride, int last,
+                                 lane_sums *out, lane_sums *other) {
+    sum_rows(rows, t, stride, last, CROSS, out, other);
 }
 
 /* Compute the moments of each row. */
@@ -102,10 +106,14 @@ SHEAR_SIMD static void moments_of_lanes(const lane_sums *sums, double ux, double
 
 /* Add the sums of rows [first, first + FFT_LANES) to the moments. */
 static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p, int first) {
-    double lanes[N_MOMENTS][FFT_LANES];
+    double lanes[6][FFT_LANES];
     moments_of_lanes(sums, 2.0 * M_PI / p->nx, 2.0 * M_PI / p->ny, first, lanes);
-    for (int i = 0; i < N_MOMENTS; i++)
-        m->each[i] += fft_total(lanes[i]);
+    m->m20 += fft_total(lanes[0]);
+    m->m02 += fft_total(lanes[1]);
+    m->m11 += fft_total(lanes[2]);
+    m->m4 += fft_total(lanes[3]);
+    m->u += fft_total(lanes[4]);
+    m->v += fft_total(lanes[5]);
 }
 
 /* Return T at (0, jy). */
@@ -118,8 +126,11 @@ static void add(moments *m, moments *noise, const mode_rows *rows, const transfe
     const int first = rows->group * FFT_LANES;
     lane_sums sums;
     lane_sums noise_sums;
-    sum_spectrum(rows, middle_column(p, t, first), p->stride, t->reach[rows->group], which, &sums,
-                 &noise_sums);
+    void (*const sum)(const mode_rows *, const double *, size_t, int, lane_sums *, lane_sums *) =
+        which == DIFFERENCE ? sum_difference
+        : which == CROSS    ? sum_cross
+                            : sum_with_noise;
+    sum(rows, middle_column(p, t, first), p->stride, t->reach[rows->group], &sums, &noise_sums);
     add_lanes(m, &sums, p, first);
     if (noise != NULL)
         add_lanes(noise, &noise_sums, p, first);
@@ -152,6 +163,10 @@ moments moments_of_flat(const transfer_plan *p, const transfer *t) {
 }
 
 void moments_join(moments *m, double factor, const moments *other) {
-    for (int i = 0; i < N_MOMENTS; i++)
-        m->each[i] += factor * other->each[i];
+    m->m20 += factor * other->m20;
+    m->m02 += factor * other->m02;
+    m->m11 += factor * other->m11;
+    m->m4 += factor * other->m4;
+    m->u += factor * other->u;
+    m->v += factor * other->v;
 }

@@ -12,12 +12,8 @@
 #include "base/simd.h"
 #include "measure/transfer.h"
 
-enum { N_MOMENTS = 6 };
-typedef union moments {
-    struct {
-        double m20, m02, m11, m4, u, v;
-    };
-    double each[N_MOMENTS]; /* in this order */
+typedef struct moments {
+    double m20, m02, m11, m4, u, v;
 } moments;
 
 /* FFT_LANES rows of modes and their mirror images, as a transform along x leaves them. Lane l of

@@ -77,12 +77,12 @@ SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level,
 
 /* A pair while it is packed. */
 typedef struct packing {
+    photometry_sums sums;
     const shear_plan *plan;
     shear_workspace *ws;
     const filter_map *filter; /* NULL: none */
     bool levelled;            /* both stamps lose a level before the filter */
     const transfer *transfer;
-    photometry_sums sums;
 } packing;
 
 /* The place of a strip, and the range of its rows that are not zero. */
