@@ -9,3 +9,12 @@
     extern const command cmd_##name;                                                               \
     extern const char usage_##name[];
 COMMAND_LIST(COMMANDS_DECLARE)
+
+/* Define a subcommand: its name, its summary, the function that runs it, and last that function's
+ * data (NULL: none), which may contain commas. */
+#define COMMAND(its_name, its_summary, its_run, ...)                                               \
+    const command cmd_##its_name = {.name = #its_name,                                             \
+                                    .summary = (its_summary),                                      \
+                                    .usage = usage_##its_name,                                     \
+                                    .run = (its_run),                                              \
+                                    .data = __VA_ARGS__}

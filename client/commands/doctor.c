@@ -14,9 +14,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return d.worst == SHEARD_CHECK_FAIL ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
-const command cmd_doctor = {
-    .name = "doctor",
-    .summary = "is the set-up of the service sound?",
-    .run = run,
-    .usage = usage_doctor,
-};
+COMMAND(doctor, "is the set-up of the service sound?", run, NULL);

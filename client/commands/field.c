@@ -119,9 +119,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return code;
 }
 
-const command cmd_field = {
-    .name = "field",
-    .summary = "the shear of one field, as it is now",
-    .run = run,
-    .usage = usage_field,
-};
+COMMAND(field, "the shear of one field, as it is now", run, NULL);

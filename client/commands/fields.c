@@ -54,9 +54,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return page_list_print(&l);
 }
 
-const command cmd_fields = {
-    .name = "fields",
-    .summary = "list the fields and their shear",
-    .run = run,
-    .usage = usage_fields,
-};
+COMMAND(fields, "list the fields and their shear", run, NULL);

@@ -16,7 +16,7 @@ static enum exit_code explain(service *s, const sheard_msg_forget *what) {
     int64_t jobs = 0;
     sheard_params_init(&p, SHEARD_METHOD_FIELD);
     p.field = (sheard_msg_field){.field = what->field, .digest = what->digest};
-    TRY(service_call(s, SHEARD_METHOD_FIELD, &p, &reply));
+    TRY(service_call(s, SHEARD_METHOD_FIELD, &p, &reply, NULL));
     for (size_t i = 0; i < reply.field.n_rows; i++)
         jobs += reply.field.rows[i].jobs;
     message_fail(EXIT_CODE_USAGE, "--yes does it",
@@ -49,9 +49,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return yes ? service_ask(&s, SHEARD_METHOD_FORGET, &p, print) : explain(&s, &p.forget);
 }
 
-const command cmd_forget = {
-    .name = "forget",
-    .summary = "take back all that was counted in a field",
-    .run = run,
-    .usage = usage_forget,
-};
+COMMAND(forget, "take back all that was counted in a field", run, NULL);

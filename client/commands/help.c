@@ -41,9 +41,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return explain(argv[1], settings_options_help);
 }
 
-const command cmd_help = {
-    .name = "help",
-    .summary = "explain a subcommand",
-    .run = run,
-    .usage = usage_help,
-};
+COMMAND(help, "explain a subcommand", run, NULL);

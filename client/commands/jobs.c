@@ -92,9 +92,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return page_list_print(&l);
 }
 
-const command cmd_jobs = {
-    .name = "jobs",
-    .summary = "list the service's jobs",
-    .run = run,
-    .usage = usage_jobs,
-};
+COMMAND(jobs, "list the service's jobs", run, NULL);

@@ -156,9 +156,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
                                       : measure_files(argv + optind, (size_t)(argc - optind), &o);
 }
 
-const command cmd_measure = {
-    .name = "measure",
-    .summary = "measure the shear of field files",
-    .run = run,
-    .usage = usage_measure,
-};
+COMMAND(measure, "measure the shear of field files", run, NULL);

@@ -24,9 +24,8 @@ CLEANUP_DEFINE(shear_mock, shear_mock_free)
 
 static enum exit_code set_mock(const option_entry *e, const char *value) {
     shear_error err = {0};
-    if (shear_mock_set(e->context, e->name, value, &err) != SHEAR_OK)
-        return message_error(&err);
-    return EXIT_CODE_DONE;
+    return shear_mock_set(e->context, e->name, value, &err) != SHEAR_OK ? message_error(&err)
+                                                                        : EXIT_CODE_DONE;
 }
 
 static enum exit_code parse(const command *self, int argc, char **argv, mock_options *o) {
@@ -76,7 +75,7 @@ static void print_report(const mock_options *o, const shear_mock_info *info) {
 static int write_field(const mock_options *o, shear_error *err) {
     CLEANUP(shear_mock_release) shear_mock *m = NULL;
     TRY(shear_mock_new(&m, &o->spec, err));
-    progress *bar = o->quiet ? progress_begin_quiet() : progress_begin("mock");
+    progress *bar = progress_begin("mock", o->quiet);
     const shear_mock_write_options how = {.threads = (int)o->threads,
                                           .overwrite = o->force,
                                           .progress = progress_callback,
@@ -93,9 +92,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     mock_options o = {.quiet = false};
     shear_error err = {0};
     shear_mock_spec_init(&o.spec);
-    const enum exit_code parsed = parse(self, argc, argv, &o);
-    if (parsed != EXIT_CODE_DONE)
-        return parsed;
+    TRY(parse(self, argc, argv, &o));
     const int code = write_field(&o, &err);
     if (code != SHEAR_OK) {
         message_error(&err);
@@ -105,9 +102,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 }
 
 /* A test compares this text with the table: every option must be listed with its default. */
-const command cmd_mock = {
-    .name = "mock",
-    .summary = "make a field file of mock galaxies with a known shear",
-    .run = run,
-    .usage = usage_mock,
-};
+COMMAND(mock, "make a field file of mock galaxies with a known shear", run, NULL);

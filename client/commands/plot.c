@@ -142,9 +142,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return save(figure, &c);
 }
 
-const command cmd_plot = {
-    .name = "plot",
-    .summary = "draw a picture (PNG) of a field file or of a result catalog",
-    .run = run,
-    .usage = usage_plot,
-};
+COMMAND(plot, "draw a picture (PNG) of a field file or of a result catalog", run, NULL);

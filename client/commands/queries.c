@@ -10,19 +10,17 @@
 
 #include <inttypes.h>
 
+/* Define a subcommand by its name, its summary and the members of its service_query. */
+#define QUERY(name, summary, ...)                                                                  \
+    COMMAND(name, summary, service_query_run, &(const service_query){__VA_ARGS__})
+
 /* ---- Jobs ---- */
 
 static void show(const sheard_reply *reply, const service *s) {
     job_text_print(&reply->job, s->utc, stdout);
 }
 
-const command cmd_show = {
-    .name = "show",
-    .summary = "everything about a job",
-    .usage = usage_show,
-    .run = service_query_run,
-    .data = &(const service_query){SHEARD_METHOD_JOB, show, "job"},
-};
+QUERY(show, "everything about a job", SHEARD_METHOD_JOB, show, "job");
 
 /* Print the state of a job. The replies to cancel, retry and retract are the same message. */
 static void print_job(const sheard_reply *reply, const service *s) {
@@ -32,29 +30,9 @@ static void print_job(const sheard_reply *reply, const service *s) {
            job->cancel_asked && !sheard_job_state_is_final(job->state) ? ", being cancelled" : "");
 }
 
-const command cmd_cancel = {
-    .name = "cancel",
-    .summary = "cancel jobs",
-    .usage = usage_cancel,
-    .run = service_query_run,
-    .data = &(const service_query){SHEARD_METHOD_CANCEL, print_job, "jobs"},
-};
-
-const command cmd_retry = {
-    .name = "retry",
-    .summary = "run failed or cancelled jobs again",
-    .usage = usage_retry,
-    .run = service_query_run,
-    .data = &(const service_query){SHEARD_METHOD_RETRY, print_job, "jobs"},
-};
-
-const command cmd_retract = {
-    .name = "retract",
-    .summary = "take back what jobs counted",
-    .usage = usage_retract,
-    .run = service_query_run,
-    .data = &(const service_query){SHEARD_METHOD_RETRACT, print_job, "jobs"},
-};
+QUERY(cancel, "cancel jobs", SHEARD_METHOD_CANCEL, print_job, "jobs");
+QUERY(retry, "run failed or cancelled jobs again", SHEARD_METHOD_RETRY, print_job, "jobs");
+QUERY(retract, "take back what jobs counted", SHEARD_METHOD_RETRACT, print_job, "jobs");
 
 /* ---- The service ---- */
 
@@ -63,39 +41,22 @@ static void print_status(const sheard_reply *reply, const service *s) {
     status_text_rest(&reply->status, s->utc, stdout);
 }
 
-const command cmd_status = {
-    .name = "status",
-    .summary = "the state of the service",
-    .usage = usage_status,
-    .run = service_query_run,
-    .data = &(const service_query){SHEARD_METHOD_STATUS, print_status, NULL},
-};
+QUERY(status, "the state of the service", SHEARD_METHOD_STATUS, print_status, NULL);
 
 static void print_metrics(const sheard_reply *reply, const service *s) {
     (void)s;
     fputs(reply->metrics.text, stdout);
 }
 
-const command cmd_metrics = {
-    .name = "metrics",
-    .summary = "print the service's metrics (Prometheus text)",
-    .usage = usage_metrics,
-    .run = service_query_run,
-    .data = &(const service_query){SHEARD_METHOD_METRICS, print_metrics, NULL},
-};
+QUERY(metrics, "print the service's metrics (Prometheus text)", SHEARD_METHOD_METRICS,
+      print_metrics, NULL);
 
 static void print_stopping(const sheard_reply *reply, const service *s) {
     (void)s;
     status_text_stopping(&reply->drain, stdout);
 }
 
-const command cmd_drain = {
-    .name = "drain",
-    .summary = "finish what runs, take nothing new",
-    .usage = usage_drain,
-    .run = service_query_run,
-    .data = &(const service_query){SHEARD_METHOD_DRAIN, print_stopping, NULL},
-};
+QUERY(drain, "finish what runs, take nothing new", SHEARD_METHOD_DRAIN, print_stopping, NULL);
 
 static void print_list(const char *title, const char *const *names, size_t n) {
     for (size_t i = 0; i < n; i++) {
@@ -114,10 +75,5 @@ static void print_reloaded(const sheard_reply *reply, const service *s) {
         puts("nothing has changed");
 }
 
-const command cmd_reload = {
-    .name = "reload",
-    .summary = "make the service read its configuration again",
-    .usage = usage_reload,
-    .run = service_query_run,
-    .data = &(const service_query){SHEARD_METHOD_RELOAD, print_reloaded, NULL},
-};
+QUERY(reload, "make the service read its configuration again", SHEARD_METHOD_RELOAD, print_reloaded,
+      NULL);

@@ -43,9 +43,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return EXIT_CODE_DONE;
 }
 
-const command cmd_shutdown = {
-    .name = "shutdown",
-    .summary = "stop the service",
-    .run = run,
-    .usage = usage_shutdown,
-};
+COMMAND(shutdown, "stop the service", run, NULL);

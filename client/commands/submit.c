@@ -155,9 +155,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return code;
 }
 
-const command cmd_submit = {
-    .name = "submit",
-    .summary = "hand files to the service, as jobs",
-    .run = run,
-    .usage = usage_submit,
-};
+COMMAND(submit, "hand files to the service, as jobs", run, NULL);

@@ -42,7 +42,7 @@ static int look_into(const validate_options *o, shear_field **field, shear_plan 
     v->field = shear_field_get_info(*field);
     TRY(shear_plan_for_field(plan, v->settings, *field, words));
     v->plan = shear_plan_get_info(*plan);
-    progress *bar = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
+    progress *bar = progress_begin(v->path, o->quiet);
     int code = field_scan(*field, *plan, bar, v, words);
     progress_end(bar);
     if (code != SHEAR_OK)
@@ -97,9 +97,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
                                    : EXIT_CODE_PARTLY;
 }
 
-const command cmd_validate = {
-    .name = "validate",
-    .summary = "tell what is in field files, and whether they would measure",
-    .run = run,
-    .usage = usage_validate,
-};
+COMMAND(validate, "tell what is in field files, and whether they would measure", run, NULL);

@@ -13,9 +13,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return EXIT_CODE_DONE;
 }
 
-const command cmd_version = {
-    .name = "version",
-    .summary = "print the version, and the libraries that it was built with",
-    .run = run,
-    .usage = usage_version,
-};
+COMMAND(version, "print the version, and the libraries that it was built with", run, NULL);

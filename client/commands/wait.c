@@ -28,9 +28,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return follow_jobs(&s, ids, n, &o);
 }
 
-const command cmd_wait = {
-    .name = "wait",
-    .summary = "wait until jobs are finished",
-    .run = run,
-    .usage = usage_wait,
-};
+COMMAND(wait, "wait until jobs are finished", run, NULL);

@@ -48,7 +48,7 @@ static enum exit_code print_many(watch_options *w) {
     for (int64_t i = 1; code == EXIT_CODE_DONE; i++) {
         code = print_one(w);
         if (i == w->count || ferror(stdout) != 0 ||
-            (code == EXIT_CODE_DONE && screen_sleep(w->interval_s))) {
+            (code == EXIT_CODE_DONE && screen_wait(w->interval_s, false))) {
             break;
         }
     }
@@ -102,7 +102,7 @@ static enum exit_code live(watch_options *w) {
     TRY(service_open(&w->service));
     screen_begin();
     bool drawn = draw(w);
-    for (int64_t i = 1; drawn && i != w->count && !screen_wait(w->interval_s); i++)
+    for (int64_t i = 1; drawn && i != w->count && !screen_wait(w->interval_s, true); i++)
         drawn = draw(w);
     screen_end();
     return drawn ? EXIT_CODE_DONE : message_no_memory();
@@ -122,9 +122,4 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     return code;
 }
 
-const command cmd_watch = {
-    .name = "watch",
-    .summary = "watch the service live",
-    .run = run,
-    .usage = usage_watch,
-};
+COMMAND(watch, "watch the service live", run, NULL);
