@@ -57,10 +57,8 @@ static int set_part(part_input *p, int i, const char *given, bool absolute, shea
 int part_input_init(part_input *p, const part_options *o, bool absolute, shear_error *err) {
     *p = (part_input){.input = shear_input_of_file(NULL)};
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        const int code =
-            o->given[i] != NULL ? set_part(p, i, o->given[i], absolute, err) : SHEAR_OK;
-        if (code != SHEAR_OK)
-            return code;
+        if (o->given[i] != NULL)
+            TRY(set_part(p, i, o->given[i], absolute, err));
     }
     return SHEAR_OK;
 }

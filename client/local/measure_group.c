@@ -89,7 +89,7 @@ typedef struct gathering {
 
 static void run_input(measure_input *input, const measure_options *o, const gathering *to) {
     shear_error err = {0};
-    progress *bar = o->quiet ? progress_begin_quiet() : progress_begin(input->path);
+    progress *bar = progress_begin(input->path, o->quiet);
     shear_run_options run = {
         .threads = (int)o->threads,
         .catalog_path = input->catalog,
@@ -110,19 +110,17 @@ static void run_input(measure_input *input, const measure_options *o, const gath
     input->measured = code == SHEAR_OK;
 }
 
-/* Measure all files of the group, in `order`. Returns how many were measured. */
-static size_t run_inputs(measure_input **order, size_t n, const measure_options *o,
-                         const gathering *to) {
-    size_t done = 0;
-    for (size_t i = 0; i < n; i++) {
+/* Measure all files of the group, in `order`. */
+static void run_inputs(measure_group *g, measure_input **order, const measure_options *o,
+                       const gathering *to) {
+    for (size_t i = 0; i < g->n; i++) {
         if (progress_interrupted()) {
             order[i]->failure = EXIT_CODE_OTHER;
             continue;
         }
         run_input(order[i], o, to);
-        done += order[i]->measured;
+        g->n_measured += order[i]->measured;
     }
-    return done;
 }
 
 static int64_t count_stamps(const measure_group *g) {
@@ -158,17 +156,17 @@ static void check_weights(measure_group *g, const shear_symmetry *terms) {
     }
 }
 
-static int run_all(measure_group *g, const measure_options *o, measure_input **order, size_t *done,
+static int run_all(measure_group *g, const measure_options *o, measure_input **order,
                    shear_error *err) {
     CLEANUP(gathering_deinit) gathering to = {0};
     TRY(gathering_init(&to, g, o, err));
-    *done = run_inputs(order, g->n, o, &to);
+    run_inputs(g, order, o, &to);
     TRY(shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err));
     if (to.terms != NULL)
         check_weights(g, to.terms);
     TRY(estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err));
-    return to.jack == NULL || *done == 0 ? SHEAR_OK
-                                         : shear_jackknife_finish(to.jack, &g->result, err);
+    return to.jack == NULL || g->n_measured == 0 ? SHEAR_OK
+                                                 : shear_jackknife_finish(to.jack, &g->result, err);
 }
 
 /* Check the result. A field without a usable stamp is an error, but its counts are still shown. */
@@ -206,21 +204,21 @@ static void warn_of_other_psfs(measure_group *g) {
 }
 
 /* Add warnings about the result. */
-static void add_warnings(measure_group *g, size_t done) {
+static void add_warnings(measure_group *g) {
     sheard_advice_list advice;
-    const measure_input *top = done > 1 ? measure_group_top(g) : NULL;
+    const measure_input *top = g->n_measured > 1 ? measure_group_top(g) : NULL;
     sheard_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan,
                       top != NULL ? top->path : NULL);
     for (size_t i = 0; i < advice.n; i++)
         warnings_add(&g->warnings, "%s", advice.lines[i]);
     warn_of_other_psfs(g);
-    if (done < g->n) {
+    if (g->n_measured < g->n) {
         warnings_add(&g->warnings, "%zu of %zu files failed and are not in this result",
-                     g->n - done, g->n);
+                     g->n - g->n_measured, g->n);
     }
 }
 
-static int measure(measure_group *g, const measure_options *o, size_t *done, shear_error *err) {
+static int measure(measure_group *g, const measure_options *o, shear_error *err) {
     /* in the order of the arguments, or of the checksums for a jackknife */
     CLEANUP(release_free) measure_input **order = calloc(g->n, sizeof(measure_input *));
     if (order == NULL)
@@ -230,18 +228,17 @@ static int measure(measure_group *g, const measure_options *o, size_t *done, she
         qsort(order, g->n, sizeof(measure_input *), by_checksum);
         TRY(check_blocks(g, (int)o->jackknife, err));
     }
-    return run_all(g, o, order, done, err);
+    return run_all(g, o, order, err);
 }
 
 bool measure_group_run(measure_group *g, const measure_options *o) {
     shear_error err = {0};
-    size_t done = 0;
-    int code = measure(g, o, &done, &err);
-    const bool measured = code == SHEAR_OK && done > 0;
+    int code = measure(g, o, &err);
+    const bool measured = code == SHEAR_OK && g->n_measured > 0;
     for (size_t i = 0; i < g->n; i++)
         g->seconds += g->inputs[i]->measured ? g->inputs[i]->report.seconds : 0.0;
     if (measured) {
-        add_warnings(g, done);
+        add_warnings(g);
         code = check_result(g, &err);
     }
     if (code != SHEAR_OK)

@@ -26,6 +26,7 @@ typedef struct measure_group {
     size_t n, capacity;
     shear_result result;
     sheard_report_estimators estimators; /* for the same stamps; errors without jackknife */
+    size_t n_measured;                   /* files in the result */
     double seconds;                      /* wall clock, for all files */
     warning_list warnings;
 } measure_group;

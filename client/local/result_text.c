@@ -24,20 +24,13 @@ static void print_estimators(const sheard_report_estimators *e, FILE *out) {
         text_line(out, "precision", "%s", estimators_words(e, words, sizeof words));
 }
 
-static size_t count_measured(const measure_group *g) {
-    size_t n = 0;
-    for (size_t i = 0; i < g->n; i++)
-        n += g->inputs[i]->measured;
-    return n;
-}
-
 void result_text_print(const measure_group *g, const char *report, FILE *out) {
     const measure_input *first = measure_group_first(g);
     sheard_cause cause = {.words = NULL};
     char name[256];
     fprintf(out, "field %s\n", message_clean(g->field, name, sizeof name));
-    if (count_measured(g) > 1) {
-        text_line(out, "files", "%zu", count_measured(g));
+    if (g->n_measured > 1) {
+        text_line(out, "files", "%zu", g->n_measured);
     } else {
         text_line(out, "file", "%s", message_clean(first->path, name, sizeof name));
     }

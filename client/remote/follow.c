@@ -135,7 +135,7 @@ static enum exit_code wait_all(follow_state *f, const int64_t *ids) {
 }
 
 static enum exit_code wait_with_progress(follow_state *f, const int64_t *ids) {
-    f->progress = f->options->quiet ? progress_begin_quiet() : progress_begin("jobs");
+    f->progress = progress_begin("jobs", f->options->quiet);
     if (progress_visible(f->progress))
         subscribe(f, ids);
     const enum exit_code code = wait_all(f, ids);

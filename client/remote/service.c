@@ -105,23 +105,18 @@ void service_close(service *s) {
     s->connection = NULL;
 }
 
-static enum exit_code call(service *s, int method, const sheard_params *params, sheard_reply *reply,
-                           char **text) {
+enum exit_code service_call(service *s, int method, const sheard_params *params,
+                            sheard_reply *reply, char **text) {
     sheard_rpc_error error = {0};
     const enum connection_status status =
         connection_call(s->connection, method, params, s->reply_timeout_s, reply, text, &error);
     return service_say(status, &error);
 }
 
-enum exit_code service_call(service *s, int method, const sheard_params *params,
-                            sheard_reply *reply) {
-    return call(s, method, params, reply, NULL);
-}
-
 enum exit_code service_answer(service *s, int method, const sheard_params *params,
                               sheard_reply *reply) {
     CLEANUP(release_free) char *text = NULL;
-    TRY(call(s, method, params, reply, s->json ? &text : NULL));
+    TRY(service_call(s, method, params, reply, s->json ? &text : NULL));
     if (s->json) {
         puts(text);
         fflush(stdout);

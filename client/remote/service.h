@@ -43,9 +43,9 @@ enum exit_code service_open(service *s);
 void service_close(service *s);
 
 /* Send a request and wait for the reply. Returns an exit code; on failure an error has been
- * printed. On EXIT_CODE_DONE release *reply by sheard_reply_deinit. */
+ * printed. *reply and *text are as in connection_call. */
 enum exit_code service_call(service *s, int method, const sheard_params *params,
-                            sheard_reply *reply);
+                            sheard_reply *reply, char **text);
 /* Do the same, and print the reply if --json was given. */
 enum exit_code service_answer(service *s, int method, const sheard_params *params,
                               sheard_reply *reply);

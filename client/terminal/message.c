@@ -28,11 +28,6 @@ char *message_clean(const char *text, char *buf, size_t size) {
     return buf;
 }
 
-static void say(const char *kind, const char *text) {
-    char clean[1024];
-    fprintf(stderr, "shearctl: %s: %s\n", kind, message_clean(text, clean, sizeof clean));
-}
-
 static enum exit_code exit_code_of(int shear_code) {
     switch (shear_code) {
     case SHEAR_OK:
@@ -55,20 +50,21 @@ enum exit_code message_error(const shear_error *err) {
 }
 
 /* Print "shearctl: KIND: ...", formatted as by vprintf. */
-__attribute__((format(printf, 2, 0))) static void say_formatted(const char *kind,
-                                                                const char *format, va_list args) {
+__attribute__((format(printf, 2, 0))) static void say(const char *kind, const char *format,
+                                                      va_list args) {
     char text[1024];
+    char clean[1024];
     vsnprintf(text, sizeof text, format, args);
-    say(kind, text);
+    fprintf(stderr, "shearctl: %s: %s\n", kind, message_clean(text, clean, sizeof clean));
 }
 
 enum exit_code message_fail(enum exit_code code, const char *advice, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    say_formatted("error", format, args);
+    say("error", format, args);
     va_end(args);
     if (advice != NULL && advice[0] != '\0')
-        say("advice", advice);
+        message_say("advice", "%s", advice);
     return code;
 }
 
@@ -76,16 +72,9 @@ enum exit_code message_no_memory(void) {
     return message_fail(EXIT_CODE_OTHER, NULL, "out of memory");
 }
 
-void message_warning(const char *format, ...) {
+void message_say(const char *kind, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    say_formatted("warning", format, args);
-    va_end(args);
-}
-
-void message_note(const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    say_formatted("note", format, args);
+    say(kind, format, args);
     va_end(args);
 }

@@ -19,10 +19,11 @@ enum exit_code message_fail(enum exit_code code, const char *advice, const char 
     __attribute__((format(printf, 3, 4)));
 /* Print "out of memory". Returns EXIT_CODE_OTHER. */
 enum exit_code message_no_memory(void);
-void message_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Print "shearctl: note: ...". */
-void message_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* Print "shearctl: KIND: ...". */
+void message_say(const char *kind, const char *format, ...) __attribute__((format(printf, 2, 3)));
+#define message_warning(...) message_say("warning", __VA_ARGS__)
+#define message_note(...)    message_say("note", __VA_ARGS__)
 
 /* Copy text from outside into buf[size] for output on a terminal (shear/text.h), in ASCII only if
  * the locale is not UTF-8. Use it for every name, path and message that is printed. Returns buf. */

@@ -53,20 +53,13 @@ static void catch_signals(progress *p) {
         sigaction(SIGTERM, &action, NULL);
 }
 
-progress *progress_begin_quiet(void) {
+progress *progress_begin(const char *label, bool quiet) {
     progress *p = calloc(1, sizeof *p);
     if (p != NULL) {
         p->begun = clock_s(CLOCK_MONOTONIC);
-        catch_signals(p);
-    }
-    return p;
-}
-
-progress *progress_begin(const char *label) {
-    progress *p = progress_begin_quiet();
-    if (p != NULL) {
-        p->visible = style_is_terminal(STDERR_FILENO);
+        p->visible = !quiet && style_is_terminal(STDERR_FILENO);
         message_clean(label, p->label, sizeof p->label);
+        catch_signals(p);
     }
     return p;
 }

@@ -12,11 +12,9 @@
 
 typedef struct progress progress;
 
-/* Begin; `label` (copied) is shown before the bar. Returns NULL if out of memory; all functions
- * accept NULL. */
-progress *progress_begin(const char *label);
-/* Begin without a bar (--quiet). */
-progress *progress_begin_quiet(void);
+/* Begin; `label` (copied) is shown before the bar. `quiet`: there is no bar. Returns NULL if out of
+ * memory; all functions accept NULL. */
+progress *progress_begin(const char *label, bool quiet);
 
 /* Show that `done` of `total` stamps are done. The signature is that of shear_run_options.progress,
  * with the struct progress as its context. Returns non-zero if the user wants to stop. */

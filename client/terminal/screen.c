@@ -81,8 +81,8 @@ static bool wants_end(void) {
 /* A signal just before poll() is noticed after one slice. */
 enum { SLICE_MS = 200 };
 
-static bool wait_for(int fd, double seconds) {
-    struct pollfd p = {.fd = fd, .events = POLLIN};
+bool screen_wait(double seconds, bool keys) {
+    struct pollfd p = {.fd = keys ? STDIN_FILENO : -1, .events = POLLIN};
     const double end = clock_s(CLOCK_MONOTONIC) + seconds;
     while (ended == 0 && resized == 0) {
         const double left_ms = 1000.0 * (end - clock_s(CLOCK_MONOTONIC));
@@ -92,12 +92,4 @@ static bool wait_for(int fd, double seconds) {
             return wants_end();
     }
     return ended != 0;
-}
-
-bool screen_wait(double seconds) {
-    return wait_for(STDIN_FILENO, seconds);
-}
-
-bool screen_sleep(double seconds) {
-    return wait_for(-1, seconds);
 }

@@ -15,8 +15,6 @@ void screen_end(void);
 /* Draw `text` from the top, with lines cut to the width; the rest of the screen is cleared. */
 void screen_draw(const char *text);
 
-/* Wait for `seconds`, a key press or a resize. Returns true if the user wants to quit (q, ^C, a
- * signal). */
-bool screen_wait(double seconds);
-/* Wait without reading keys. */
-bool screen_sleep(double seconds);
+/* Wait for `seconds`, a resize or, with `keys`, a key press. Returns true if the user wants to quit
+ * (q, ^C, a signal). */
+bool screen_wait(double seconds, bool keys);

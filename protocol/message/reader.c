@@ -7,7 +7,6 @@
 #include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 bool reader_is_strict(const msg_reader *r) {
@@ -51,11 +50,6 @@ int reader_no_memory(const msg_reader *r) {
 }
 
 int reader_copy(const msg_reader *r, const char **at, const char *bytes, size_t n) {
-    char *copy = malloc(n + 1);
-    if (copy == NULL)
-        return reader_no_memory(r);
-    memcpy(copy, bytes, n);
-    copy[n] = '\0';
-    *at = copy;
-    return SHEARD_RPC_OK;
+    *at = strndup(bytes, n);
+    return *at != NULL ? SHEARD_RPC_OK : reader_no_memory(r);
 }

@@ -27,7 +27,7 @@ int reader_fail(const msg_reader *r, int code, const char *format, ...)
 int reader_wrong_type(const msg_reader *r, const char *expected, const json_t *value);
 int reader_no_memory(const msg_reader *r);
 
-/* Copy n bytes, terminated, to *at. */
+/* Copy n bytes without a NUL, terminated, to *at. */
 int reader_copy(const msg_reader *r, const char **at, const char *bytes, size_t n);
 
 /* ---- Values without a table of their own ---- */

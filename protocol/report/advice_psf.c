@@ -10,11 +10,8 @@
 #include <string.h>
 
 /* Write "3 of 64 PSFs examined (the worst): ", if there are several, then the text. */
-static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
-                       const char *format, ...) __attribute__((format(printf, 5, 6)));
-
-static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
-                       const char *format, ...) {
+__attribute__((format(printf, 5, 6))) static const char *
+say(const shear_psf_summary *s, int64_t count, char *buf, size_t size, const char *format, ...) {
     int used = 0;
     if (s->looked_at > 1) {
         used = snprintf(buf, size, "%" PRId64 " of %" PRId64 " PSFs examined (the worst): ", count,
