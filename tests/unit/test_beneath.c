@@ -82,7 +82,10 @@ static int resolve(int root, const char *path, const access_peer *peer, struct s
 static int resolve_by_kernel(int root, const char *path, struct stat *st) {
     struct open_how how = {.flags = O_PATH | O_CLOEXEC,
                            .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-    const long fd = syscall(SYS_openat2, root, path, &how, sizeof how);
+    long fd = -1;
+    do { /* the kernel gives up with EAGAIN if anything on the machine is renamed meanwhile */
+        fd = syscall(SYS_openat2, root, path, &how, sizeof how);
+    } while (fd < 0 && errno == EAGAIN);
     if (fd < 0)
         return -errno;
     assert_int_equal(fstat((int)fd, st), 0);
