@@ -8,14 +8,18 @@
 #include "terminal/human.h"
 
 #include <errno.h>
+#include <grp.h>
 #include <linux/magic.h>
+#include <pwd.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/statfs.h>
 #include <sys/statvfs.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+static const char service_user[] = "sheard";
 static const int64_t little_bytes = INT64_C(1) << 30;
 static const int64_t too_little_bytes = INT64_C(100) << 20;
 static const double clock_tolerance_s = 2.0; /* some file systems store whole seconds */
@@ -72,6 +76,60 @@ static bool check_directory(doctor *d, const char *subject, const char *path, st
     return true;
 }
 
+/* ---- Write test, as the user of the service: existence and mode are not sufficient evidence ----
+ */
+
+/* Return the user for the test if this is root; NULL: the user of this process. */
+static const struct passwd *other_user(void) {
+    return geteuid() == 0 ? getpwnam(service_user) : NULL;
+}
+
+static bool become(const struct passwd *user) {
+    return initgroups(user->pw_name, user->pw_gid) == 0 && setgid(user->pw_gid) == 0 &&
+           setuid(user->pw_uid) == 0;
+}
+
+/* Try to write in a child process, which changes to the user. Returns 0 or errno. */
+static int try_as(const struct passwd *user, const char *directory) {
+    int status = 0;
+    fflush(NULL); /* flush before fork: a sanitizer's _exit would write the child's copy of the
+                     buffers */
+    const pid_t pid = fork();
+    if (pid == 0) {
+        const bool good = user == NULL || become(user);
+        _exit(good && io_open_nameless(directory) >= 0 ? 0 : errno & 0xff);
+    }
+    if (pid < 0 || waitpid(pid, &status, 0) != pid || !WIFEXITED(status))
+        return ECHILD;
+    return WEXITSTATUS(status);
+}
+
+/* Check that `directory` is writable for the service's user (if this is root) or for this process.
+ * If it is not, report that and return false. */
+static bool test_write(doctor *d, const char *subject, const char *directory) {
+    struct stat st = {0};
+    const struct passwd *user = other_user();
+    const int error = try_as(user, directory);
+    if (error == 0)
+        return true;
+    const struct passwd *owner = stat(directory, &st) == 0 ? getpwuid(st.st_uid) : NULL;
+    const bool ours = geteuid() == 0 || (owner != NULL && owner->pw_uid == geteuid());
+    char remedy[300];
+    snprintf(remedy, sizeof remedy,
+             ours ? "give it to the service's user (chown -R %s: %s), or remove it and run "
+                    "systemd-tmpfiles --create"
+                  : "if the service is to run as somebody else, run doctor as that user or as root",
+             user != NULL ? user->pw_name : service_user, directory);
+    doctor_report(d, subject,
+                  ours || error == EROFS || error == ENOSPC ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
+                  remedy, "%s: %s may not write there (%s); it belongs to %s", directory,
+                  user != NULL ? user->pw_name : "you", strerror(error),
+                  owner != NULL ? owner->pw_name : "an unknown user");
+    return false;
+}
+
+/* ---- The spool ---- */
+
 static void check_folders(doctor *d) {
     static const char *const names[] = {"incoming", "active", "done", "failed"};
     struct stat spool;
@@ -88,7 +146,7 @@ static void check_folders(doctor *d) {
         if (st.st_dev != spool.st_dev) {
             doctor_fail(d, "spool", "all four folders must be on the disk of the spool",
                         "%s is on another file system", path);
-        } else if (doctor_test_write(d, "spool", path)) {
+        } else if (test_write(d, "spool", path)) {
             good++;
         }
     }
@@ -152,6 +210,8 @@ void doctor_check_clock(doctor *d) {
                   off < 0 ? "before" : "behind");
 }
 
+/* ---- Data roots ---- */
+
 static void check_root(doctor *d, const char *path) {
     struct stat st;
     const int error = stat(path, &st) != 0 ? errno : S_ISDIR(st.st_mode) ? 0 : ENOTDIR;
@@ -189,7 +249,7 @@ void doctor_check_disks(doctor *d) {
     struct stat st;
     if (d->state_dir != NULL && check_directory(d, "state", d->state_dir, &st)) {
         check_room(d, "state", d->state_dir);
-        if (doctor_test_write(d, "state", d->state_dir))
+        if (test_write(d, "state", d->state_dir))
             doctor_ok(d, "state", "%s can be written to", d->state_dir);
         doctor_check_local(d, d->state_dir);
     }

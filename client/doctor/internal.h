@@ -32,6 +32,3 @@ void doctor_report_space(doctor *d, const char *subject, const char *path, int64
 void doctor_report_no_roots(doctor *d);
 void doctor_check_local(doctor *d, const char *path); /* warn of a network file system */
 void doctor_check_clock(doctor *d);                   /* of the spool's file system */
-/* Check that `directory` is writable for the service's user (if this is root) or for this process.
- * If it is not, report that and return false. */
-bool doctor_test_write(doctor *d, const char *subject, const char *directory);

@@ -3,10 +3,8 @@
 
 #include "base/cleanup.h"
 #include "base/text.h"
-#include "local/method_text.h"
-#include "local/quality_text.h"
+#include "local/report_text.h"
 #include "sheard/report.h"
-#include "sheard/report_summary.h"
 #include "terminal/message.h"
 #include "terminal/text_line.h"
 
@@ -113,14 +111,14 @@ void validation_text_print(const sheard_validation_report *v, FILE *out) {
     if (v->field != NULL)
         print_field(v->field, out);
     if (v->plan != NULL && summarize(&s, v)) {
-        method_text_print(&s, -1, out);
+        report_text_method(&s, -1, out);
         text_line(out, "spectrum", "%d x %d grid, modes below %.4g radians per pixel",
                   v->plan->fine_nx, v->plan->fine_ny, v->plan->k_cut);
     }
     if (v->scanned)
         print_scan(v, out);
     if (v->measured && v->result.valid)
-        quality_text_print(&s, out);
+        report_text_quality(&s, out);
     text_line(out, v->good ? "good" : "bad", "%s", v->conclusion);
     for (size_t i = 0; i < v->n_warnings; i++)
         text_line(out, "warning", "%s", v->warnings[i]);

@@ -145,8 +145,3 @@ void status_text_rest(const sheard_msg_status *s, bool utc, FILE *out) {
               s->connections, s->subscribers, s->loop.dropped,
               human_bytes(s->loop.unsent_bytes, bytes), s->loop.longest_minute_ms);
 }
-
-void status_text_stopping(const sheard_msg_stopping *s, FILE *out) {
-    fprintf(out, "%s: %" PRId64 " jobs running, %" PRId64 " wait for the next start\n",
-            sheard_server_state_name(s->state), s->running, s->queued);
-}

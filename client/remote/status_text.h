@@ -12,7 +12,5 @@
 void status_text_brief(const sheard_msg_status *s, bool colours, FILE *out);
 /* Write one of s->problems, with the time of the next attempt, into buf. Returns buf. */
 char *status_text_problem(const sheard_msg_status *s, size_t i, char *buf, size_t size);
-/* Print the reply to drain and shutdown. */
-void status_text_stopping(const sheard_msg_stopping *s, FILE *out);
 /* Print disks, connections and totals. */
 void status_text_rest(const sheard_msg_status *s, bool utc, FILE *out);
