@@ -23,13 +23,10 @@ int estimators_solve(const shear_field_sums *sums, const shear_symmetry *terms,
     return code;
 }
 
-double estimators_ratio(const sheard_report_estimators *e) {
-    return hypot(e->of[0].g1_err, e->of[0].g2_err) / hypot(e->of[1].g1_err, e->of[1].g2_err);
-}
-
 char *estimators_words(const sheard_report_estimators *e, char *buf, size_t size) {
     static const double alike = 1.05; /* smaller ratios are within the errors of 200 stamps */
-    const double ratio = estimators_ratio(e);
+    const double ratio =              /* of the errors, for both components together */
+        hypot(e->of[0].g1_err, e->of[0].g2_err) / hypot(e->of[1].g1_err, e->of[1].g2_err);
     const double times = fmax(ratio, 1.0 / ratio);
     if (times < alike) {
         snprintf(buf, size, "%s and %s are equally precise, within 5 %%",

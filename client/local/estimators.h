@@ -21,9 +21,6 @@ bool estimators_wanted(int64_t n_stamps, enum shear_estimator estimator);
 int estimators_solve(const shear_field_sums *sums, const shear_symmetry *terms,
                      const shear_result *chosen, sheard_report_estimators *out, shear_error *err);
 
-/* Return the error of the first estimator over that of the second, for both components together. */
-double estimators_ratio(const sheard_report_estimators *e);
-
 /* Write "pdf-sym's error is 2.1 times smaller: as if there were 4.4 times as many galaxies" into
  * buf. Returns buf. */
 char *estimators_words(const sheard_report_estimators *e, char *buf, size_t size);

@@ -220,7 +220,7 @@ int field_scan(shear_field *field, const shear_plan *plan, progress *bar,
     v->scanned = code == SHEAR_OK;
     v->measured = v->scanned && v->negative.count == 0;
     set_noise(&s.levels, v);
-    const rank_relation relation = weight_check_relation(&s.weights);
+    const rank_relation relation = rank_relate(s.weights.weight, s.weights.flux, s.weights.n);
     v->weight_follows_flux = relation.correlation;
     v->weight_is_suspect = rank_is_strong(&relation);
     if (v->measured) {

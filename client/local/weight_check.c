@@ -50,10 +50,6 @@ void weight_check_add(weight_check *c, const shear_stamps *t, int i) {
     c->flux[c->n++] = central_flux(t->galaxy + (size_t)i * n, t->nx, t->ny, level);
 }
 
-rank_relation weight_check_relation(const weight_check *c) {
-    return rank_relate(c->weight, c->flux, c->n);
-}
-
 /* Remove stamps without a positive weight. Returns the number of remaining stamps. */
 static size_t keep_positive(double *weight, double *d, size_t n) {
     size_t kept = 0;

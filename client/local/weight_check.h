@@ -18,7 +18,6 @@ void weight_check_deinit(weight_check *c);
  * the centre, whose radius is a quarter of the side, minus the mean of the noise stamps. If out of
  * memory, the stamp is skipped. */
 void weight_check_add(weight_check *c, const shear_stamps *t, int i);
-rank_relation weight_check_relation(const weight_check *c);
 
 /* Return the relation of WEIGHT with the power D, from a field's terms. */
 rank_relation weight_check_terms(const shear_symmetry *terms);

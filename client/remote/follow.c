@@ -40,13 +40,17 @@ static void show(const follow_state *f) {
     progress_show(f->progress, label, sum.done, sum.total, sum.rate);
 }
 
+static void note_job(follow_state *f, const sheard_msg_job *job) {
+    follow_note(f->entries, f->n, job->id, job->state, &job->progress);
+}
+
 static void on_notice(void *context, const sheard_message *m) {
     follow_state *f = context;
     if (m->notice == SHEARD_NOTICE_JOB_CHANGED) {
-        follow_note_job(f->entries, f->n, &m->params.job_changed.job);
+        note_job(f, &m->params.job_changed.job);
     } else if (m->notice == SHEARD_NOTICE_JOB_PROGRESS) {
-        follow_note_progress(f->entries, f->n, m->params.job_progress.id,
-                             &m->params.job_progress.progress);
+        follow_note(f->entries, f->n, m->params.job_progress.id, SHEARD_JOB_RUNNING,
+                    &m->params.job_progress.progress);
     }
     show(f);
 }
@@ -90,7 +94,7 @@ static void add_ended(follow_state *f, const sheard_msg_waited *waited) {
  * and there is time left. */
 static bool note_answer(follow_state *f, const sheard_msg_waited *waited, const char *text) {
     for (size_t i = 0; i < waited->n_jobs; i++)
-        follow_note_job(f->entries, f->n, &waited->jobs[i]);
+        note_job(f, &waited->jobs[i]);
     show(f);
     if (waited->timed_out && clock_s(CLOCK_MONOTONIC) < f->deadline)
         return true;
@@ -161,7 +165,7 @@ enum exit_code follow_jobs(service *s, const int64_t *ids, size_t n,
         .ended = job_results_new(),
     };
     enum exit_code code = wait_with_progress(&f, ids);
-    if (text_table_rows(f.ended) > 0 && text_table_print(f.ended, stdout) != EXIT_CODE_DONE)
+    if (!text_table_is_empty(f.ended) && text_table_print(f.ended, stdout) != EXIT_CODE_DONE)
         code = EXIT_CODE_OTHER;
     text_table_free(f.ended);
     return code;

@@ -24,28 +24,15 @@ follow_totals follow_sum(const follow_entry *entries, size_t n) {
     return sum;
 }
 
-static follow_entry *find(follow_entry *entries, size_t n, int64_t id) {
+void follow_note(follow_entry *entries, size_t n, int64_t id, enum sheard_job_state state,
+                 const sheard_msg_progress *progress) {
     for (size_t i = 0; i < n; i++) {
-        if (entries[i].id == id)
-            return &entries[i];
-    }
-    return NULL;
-}
-
-void follow_note_job(follow_entry *entries, size_t n, const sheard_msg_job *job) {
-    follow_entry *e = find(entries, n, job->id);
-    if (e != NULL && !sheard_job_state_is_final(e->state)) {
-        e->state = job->state;
-        e->progress = job->progress;
-    }
-}
-
-void follow_note_progress(follow_entry *entries, size_t n, int64_t id,
-                          const sheard_msg_progress *progress) {
-    follow_entry *e = find(entries, n, id);
-    if (e != NULL && !sheard_job_state_is_final(e->state)) {
-        e->state = SHEARD_JOB_RUNNING;
-        e->progress = *progress;
+        follow_entry *e = &entries[i];
+        if (e->id == id && !sheard_job_state_is_final(e->state)) {
+            e->state = state;
+            e->progress = *progress;
+            return;
+        }
     }
 }
 

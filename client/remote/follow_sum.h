@@ -23,9 +23,8 @@ follow_totals follow_sum(const follow_entry *entries, size_t n);
 
 /* Update the entry of the job in entries[n] from a notification or reply. A final state does not
  * change any more. */
-void follow_note_job(follow_entry *entries, size_t n, const sheard_msg_job *job);
-void follow_note_progress(follow_entry *entries, size_t n, int64_t id,
-                          const sheard_msg_progress *progress);
+void follow_note(follow_entry *entries, size_t n, int64_t id, enum sheard_job_state state,
+                 const sheard_msg_progress *progress);
 
 /* Numbers of jobs by how they ended. */
 typedef struct follow_counts {

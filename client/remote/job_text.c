@@ -20,14 +20,8 @@ static const char *or_dash(const char *text) {
     return text != NULL && *text != '\0' ? text : "-";
 }
 
-static void image_text(const shear_input_part *image, char *buf, size_t size) {
-    if (image->extname != NULL) {
-        snprintf(buf, size, "%s:%s", image->path, image->extname);
-    } else if (image->hdu >= 0) {
-        snprintf(buf, size, "%s:%" PRId64, image->path, image->hdu);
-    } else {
-        snprintf(buf, size, "%s", image->path);
-    }
+static const char *image_text(const shear_input_part *image, char *buf, size_t size) {
+    return shear_input_text(&(shear_input){.parts = {*image}}, buf, size);
 }
 
 /* Return whether the measured file itself was dropped. A dropped job file names other files. */
@@ -57,8 +51,8 @@ char *job_source_text(const sheard_msg_job *job, char *buf, size_t size) {
         snprintf(buf, size, "%s (%s)", job->dropped_name, where_now(job, galaxy, sizeof galaxy));
     } else if (source->galaxy.path != NULL) {
         const shear_input input = sheard_source_input(source);
-        image_text(&input.parts[SHEAR_PART_GALAXY], galaxy, sizeof galaxy);
-        snprintf(buf, size, "%s + noise, psf", galaxy);
+        snprintf(buf, size, "%s + noise, psf",
+                 image_text(&input.parts[SHEAR_PART_GALAXY], galaxy, sizeof galaxy));
     } else {
         snprintf(buf, size, "%s", or_dash(source->path));
     }
@@ -101,7 +95,7 @@ static int percent(int64_t done, int64_t total) {
     return (int)(100.0 * bar_part((double)done, (double)total));
 }
 
-const char *job_phase_text(const sheard_msg_progress *p, char *buf, size_t size) {
+static char *phase_text(const sheard_msg_progress *p, char *buf, size_t size) {
     const char *name = sheard_job_phase_name(p->phase);
     if (p->phase == SHEARD_PHASE_WAITING_MEMORY) {
         snprintf(buf, size, "waiting for memory");
@@ -193,8 +187,8 @@ static void print_source(const sheard_msg_job *job, FILE *out) {
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         if (input.parts[i].path != NULL) {
             char text[4200];
-            image_text(&input.parts[i], text, sizeof text);
-            text_line(out, shear_part_name(i), "%s", text);
+            text_line(out, shear_part_name(i), "%s",
+                      image_text(&input.parts[i], text, sizeof text));
         }
     }
 }
@@ -224,7 +218,10 @@ static void print_times(const sheard_msg_job *job, bool utc, FILE *out) {
     }
 }
 
-char *job_bar_text(const sheard_msg_progress *p, int width, char *buf, size_t size) {
+char *job_progress_text(const sheard_msg_job *job, int width, char *buf, size_t size) {
+    const sheard_msg_progress *p = &job->progress;
+    if (job_is_before_measuring(job))
+        return phase_text(p, buf, size);
     const double part = bar_part((double)p->done, (double)p->total);
     char figures[96];
     bar_text(part, width, buf, size);
@@ -234,10 +231,9 @@ char *job_bar_text(const sheard_msg_progress *p, int width, char *buf, size_t si
 
 static void print_progress(const sheard_msg_job *job, FILE *out) {
     char text[144];
-    if (job_is_before_measuring(job)) {
-        text_line(out, "progress", "%s", job_phase_text(&job->progress, text, sizeof text));
-    } else if (job->state == SHEARD_JOB_RUNNING && job->progress.total >= 0) {
-        text_line(out, "progress", "%s", job_bar_text(&job->progress, 32, text, sizeof text));
+    if (job->state == SHEARD_JOB_RUNNING &&
+        (job_is_before_measuring(job) || job->progress.total >= 0)) {
+        text_line(out, "progress", "%s", job_progress_text(job, 32, text, sizeof text));
     }
 }
 
@@ -318,10 +314,9 @@ void job_complain(const sheard_msg_job *job) {
     if (job->state == SHEARD_JOB_FAILED) {
         message_fail(EXIT_CODE_JOB_FAILED, job->advice, "job %" PRId64 " failed: %s [%s]", job->id,
                      or_dash(job->message), or_dash(job->code));
-    } else if (job->state == SHEARD_JOB_CANCELLED) {
-        message_fail(EXIT_CODE_CANCELLED, NULL, "job %" PRId64 " was cancelled", job->id);
-    } else if (job->state == SHEARD_JOB_RETRACTED) {
-        message_fail(EXIT_CODE_CANCELLED, NULL, "job %" PRId64 " was retracted", job->id);
+    } else if (job->state == SHEARD_JOB_CANCELLED || job->state == SHEARD_JOB_RETRACTED) {
+        message_fail(EXIT_CODE_CANCELLED, NULL, "job %" PRId64 " was %s", job->id,
+                     sheard_job_state_name(job->state));
     } else if (!sheard_job_state_is_final(job->state)) {
         message_fail(EXIT_CODE_TIMED_OUT, NULL, "job %" PRId64 " is not finished: %s", job->id,
                      sheard_job_state_name(job->state));

@@ -25,13 +25,11 @@ void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out);
  * file, write its original name and its current place: "a.fits (failed/a.1.fits)". Returns buf. */
 char *job_source_text(const sheard_msg_job *job, char *buf, size_t size);
 
-/* Return whether a running job has not started to measure: then its phase is shown, "hashing, 42%
- * of 3.1 MB". */
+/* Return whether a running job has not started to measure. */
 bool job_is_before_measuring(const sheard_msg_job *job);
-const char *job_phase_text(const sheard_msg_progress *progress, char *buf, size_t size);
-
-/* Write a bar of `width` columns and the numbers after it into buf. Returns buf. */
-char *job_bar_text(const sheard_msg_progress *progress, int width, char *buf, size_t size);
+/* Write its phase then, "hashing, 42% of 3.1 MB", or else a bar of `width` columns and the numbers
+ * after it, into buf. Returns buf. */
+char *job_progress_text(const sheard_msg_job *job, int width, char *buf, size_t size);
 
 /* Print to standard error why a job is not done, with the advice; nothing if it is done. */
 void job_complain(const sheard_msg_job *job);

@@ -85,39 +85,30 @@ void watch_view_deinit(watch_view *v) {
     }
 }
 
-static void title(FILE *out, const char *text, bool colours) {
-    fprintf(out, "\n%s%s%s\n", colours ? STYLE_BOLD : "", text, colours ? STYLE_END : "");
-}
-
-static enum exit_code print_active(const sheard_msg_job_page *page, FILE *out, bool colours,
-                                   int columns) {
+static text_table *active_jobs(const sheard_msg_job_page *page) {
     static const text_column heads[] = {{"ID", 'r'}, {"FIELD", 'l'}, {"PROGRESS", 'l'}};
-    CLEANUP(text_table_release) text_table *t = text_table_new(heads, sizeof heads / sizeof *heads);
+    text_table *t = text_table_new(heads, sizeof heads / sizeof *heads);
     for (size_t i = 0; i < page->n_jobs; i++) {
         const sheard_msg_job *job = &page->jobs[i];
-        const sheard_msg_progress *p = &job->progress;
         char text[128];
         text_table_cell(t, NULL, "%" PRId64, job->id);
         text_table_cell(t, NULL, "%s", job->field != NULL ? job->field : "-");
-        if (job_is_before_measuring(job)) {
-            text_table_cell(t, STYLE_DIM, "%s", job_phase_text(p, text, sizeof text));
-        } else {
-            text_table_cell(t, NULL, "%s", job_bar_text(p, BAR_WIDTH, text, sizeof text));
-        }
+        text_table_cell(t, job_is_before_measuring(job) ? STYLE_DIM : NULL, "%s",
+                        job_progress_text(job, BAR_WIDTH, text, sizeof text));
     }
-    return text_table_render(t, out, 2, colours, columns);
+    return t;
 }
 
-static enum exit_code print_finished(const sheard_msg_job_page *page, FILE *out, bool colours,
-                                     int columns) {
-    CLEANUP(text_table_release) text_table *t = job_table_new();
+static text_table *finished_jobs(const sheard_msg_job_page *page) {
+    text_table *t = job_table_new();
     for (size_t i = 0; i < page->n_jobs; i++)
         job_table_add(t, &page->jobs[i], clock_ms(CLOCK_REALTIME));
-    return text_table_render(t, out, 2, colours, columns);
+    return t;
 }
 
-static enum exit_code print_fields(const watch_view *v, FILE *out, bool colours, int columns) {
-    CLEANUP(text_table_release) text_table *t = field_table_new();
+/* Fields without a contribution have no row. */
+static text_table *fields_of_jobs(const watch_view *v) {
+    text_table *t = field_table_new();
     for (size_t i = WATCH_FIELDS; i < v->n; i++) {
         const sheard_msg_field_page *page = &v->parts[i].reply.fields;
         for (size_t k = 0; k < page->n_fields; k++) {
@@ -125,26 +116,26 @@ static enum exit_code print_fields(const watch_view *v, FILE *out, bool colours,
                 field_table_add(t, &page->fields[k], clock_ms(CLOCK_REALTIME));
         }
     }
-    /* Fields without a contribution have no row. */
-    if (t != NULL && text_table_rows(t) == 0)
+    return t;
+}
+
+/* Print a table, which is freed, under its title; nothing if it has no rows. */
+static enum exit_code print_part(const char *title, text_table *rows, FILE *out, bool colours,
+                                 int columns) {
+    CLEANUP(text_table_release) text_table *t = rows;
+    if (text_table_is_empty(t))
         return EXIT_CODE_DONE;
-    title(out, "fields", colours);
+    fprintf(out, "\n%s%s%s\n", colours ? STYLE_BOLD : "", title, colours ? STYLE_END : "");
     return text_table_render(t, out, 2, colours, columns);
 }
 
 enum exit_code watch_view_print(const watch_view *v, FILE *out, bool colours, int columns) {
-    const sheard_msg_job_page *active = &v->parts[WATCH_ACTIVE].reply.jobs;
-    const sheard_msg_job_page *finished = &v->parts[WATCH_FINISHED].reply.jobs;
     status_text_brief(&v->parts[WATCH_STATUS].reply.status, colours, out);
-    if (active->n_jobs > 0) {
-        title(out, "running", colours);
-        TRY(print_active(active, out, colours, columns));
-    }
-    if (finished->n_jobs > 0) {
-        title(out, "finished", colours);
-        TRY(print_finished(finished, out, colours, columns));
-    }
-    return print_fields(v, out, colours, columns);
+    TRY(print_part("running", active_jobs(&v->parts[WATCH_ACTIVE].reply.jobs), out, colours,
+                   columns));
+    TRY(print_part("finished", finished_jobs(&v->parts[WATCH_FINISHED].reply.jobs), out, colours,
+                   columns));
+    return print_part("fields", fields_of_jobs(v), out, colours, columns);
 }
 
 void watch_view_json(const watch_view *v, FILE *out) {

@@ -140,6 +140,6 @@ enum exit_code text_table_print(const text_table *t, FILE *out) {
     return text_table_render(t, out, 0, style_on(out), style_columns(fileno(out), 0));
 }
 
-size_t text_table_rows(const text_table *t) {
-    return t != NULL ? t->n / t->n_columns : 0;
+bool text_table_is_empty(const text_table *t) {
+    return t != NULL && !t->failed && t->n == 0;
 }

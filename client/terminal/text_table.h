@@ -33,4 +33,5 @@ enum exit_code text_table_print(const text_table *table, FILE *out);
  * (0: no limit). */
 enum exit_code text_table_render(const text_table *table, FILE *out, int indent, bool colours,
                                  int columns);
-size_t text_table_rows(const text_table *table);
+/* Return whether the table is complete, without a row. */
+bool text_table_is_empty(const text_table *table);

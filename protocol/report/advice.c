@@ -22,19 +22,17 @@ const char *sheard_advice_filter(const shear_result *r, const shear_plan_info *p
                 r->filter_removed > REMOVED_SIGMA * r->filter_removed_err;
     if (plan->filter == SHEAR_FILTER_NONE || plan->core_found || !much)
         return NULL;
-    if (plan->filter_per_stamp) {
-        return advice_say(
-            buf, size,
-            "the filter removes %.1f %% of the stacked flux; where that is the galaxies' own and "
-            "not their neighbours', the shear is biased: R_GAL is too small, or use --filter none",
-            100.0 * r->filter_removed);
+    char cure[96] = "R_GAL is too small, or use --filter none";
+    if (!plan->filter_per_stamp) {
+        advice_say(cure, sizeof cure,
+                   "use a --core larger than %.3g px, larger stamps, or --filter none",
+                   plan->core_px);
     }
     return advice_say(
         buf, size,
         "the filter removes %.1f %% of the stacked flux; where that is the galaxies' own and "
-        "not their neighbours', the shear is biased: use a --core larger than %.3g px, larger "
-        "stamps, or --filter none",
-        100.0 * r->filter_removed, plan->core_px);
+        "not their neighbours', the shear is biased: %s",
+        100.0 * r->filter_removed, cure);
 }
 
 static double stamp_area(const shear_plan_info *plan) {

@@ -2,6 +2,7 @@
 #include "sheard/no_shear.h"
 
 #include "report/advice_say.h"
+#include "shear/symmetry.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -61,8 +62,6 @@ bool sheard_one_outweighs(const shear_result *r) {
     return r->n_used > FEW && r->top_stamp >= 0 && r->top_share * r->top_share * r->n_eff > 0.5;
 }
 
-enum { LEAST_FOR_SYMMETRY = 16 }; /* see shear/symmetry.h */
-
 static bool is_spoilt(const shear_result *r) {
     const bool by_sum = r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED ||
                         r->why == SHEAR_TOO_NARROW || r->why == SHEAR_NOT_FINITE;
@@ -83,7 +82,7 @@ const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size) 
     } else if (r->why == SHEAR_NO_STAMPS) {
         snprintf(buf, size, "%" PRId64 " of %" PRId64 " stamps are usable%s", r->n_used,
                  r->n_stamps, r->n_used == 1 ? ", and one stamp has no error" : "");
-    } else if (r->why == SHEAR_NO_SYMMETRY && r->n_used < LEAST_FOR_SYMMETRY) {
+    } else if (r->why == SHEAR_NO_SYMMETRY && r->n_used < SHEAR_SYMMETRY_FEWEST) {
         snprintf(buf, size, "%" PRId64 " usable stamps are too few for their symmetry", r->n_used);
     } else if (r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED || r->why == SHEAR_TOO_NARROW) {
         snprintf(buf, size, "%s (the sum of w D is %.3g, %.3g sigma)", words, r->sum_d, r->signal);

@@ -174,14 +174,13 @@ static void news_of_jobs(void **state) {
     follow_entry e[] = {entry(1, SHEARD_JOB_QUEUED, 0, -1, (double)NAN),
                         entry(2, SHEARD_JOB_QUEUED, 0, -1, (double)NAN)};
     const sheard_msg_progress half = {.done = 5, .total = 10, .rate = 1.0};
-    follow_note_progress(e, 2, 2, &half);
-    follow_note_progress(e, 2, 77, &half); /* not ours */
+    follow_note(e, 2, 2, SHEARD_JOB_RUNNING, &half);
+    follow_note(e, 2, 77, SHEARD_JOB_RUNNING, &half); /* not ours */
     assert_int_equal(e[1].state, SHEARD_JOB_RUNNING);
     assert_int_equal(e[1].progress.done, 5);
-    const sheard_msg_job done = {
-        .id = 2, .state = SHEARD_JOB_DONE, .progress = {.done = 10, .total = 10, .rate = 1.0}};
-    follow_note_job(e, 2, &done);
-    follow_note_progress(e, 2, 2, &half); /* late news */
+    const sheard_msg_progress whole = {.done = 10, .total = 10, .rate = 1.0};
+    follow_note(e, 2, 2, SHEARD_JOB_DONE, &whole);
+    follow_note(e, 2, 2, SHEARD_JOB_RUNNING, &half); /* late news */
     assert_int_equal(e[1].state, SHEARD_JOB_DONE);
     assert_int_equal(e[1].progress.done, 10);
     assert_int_equal(e[0].state, SHEARD_JOB_QUEUED);
