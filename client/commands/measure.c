@@ -111,32 +111,25 @@ static enum exit_code measure_groups(measure_input *inputs, size_t n, const meas
                                                              : measure_inputs_exit_code(inputs, n);
 }
 
-static enum exit_code measure_inputs(const shear_input *sources, const char *const *names, size_t n,
-                                     const measure_options *o) {
+static enum exit_code measure_inputs(measure_input *inputs, size_t n, const measure_options *o) {
     enum exit_code code = EXIT_CODE_DONE;
-    measure_input *inputs = calloc(n, sizeof *inputs);
-    if (inputs == NULL)
-        return message_no_memory();
-    for (size_t i = 0; i < n; i++) {
-        inputs[i].source = &sources[i];
-        inputs[i].path = names[i];
-    }
     measure_inputs_open(inputs, n, o->field);
     if (o->catalog != NULL)
         code = catalog_paths_resolve(inputs, n, o->catalog, o->force);
     if (code == EXIT_CODE_DONE)
         code = measure_groups(inputs, n, o);
-    measure_inputs_free(inputs, n);
+    for (size_t i = 0; i < n; i++)
+        free(inputs[i].catalog);
     return code;
 }
 
 static enum exit_code measure_files(char **paths, size_t n, const measure_options *o) {
-    CLEANUP(release_free) shear_input *sources = calloc(n, sizeof *sources);
-    if (sources == NULL)
+    CLEANUP(release_free) measure_input *inputs = calloc(n, sizeof *inputs);
+    if (inputs == NULL)
         return message_no_memory();
     for (size_t i = 0; i < n; i++)
-        sources[i] = shear_input_of_file(paths[i]);
-    return measure_inputs(sources, (const char *const *)paths, n, o);
+        inputs[i] = (measure_input){.source = shear_input_of_file(paths[i]), .path = paths[i]};
+    return measure_inputs(inputs, n, o);
 }
 
 static enum exit_code measure_parts(const measure_options *o) {
@@ -145,8 +138,9 @@ static enum exit_code measure_parts(const measure_options *o) {
     shear_error err = {0};
     if (part_input_init(&parts, &o->parts, false, &err) != SHEAR_OK)
         return message_error(&err);
-    const char *name = shear_input_text(&parts.input, text, sizeof text);
-    return measure_inputs(&parts.input, &name, 1, o);
+    measure_input input = {.source = parts.input,
+                           .path = shear_input_text(&parts.input, text, sizeof text)};
+    return measure_inputs(&input, 1, o);
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {

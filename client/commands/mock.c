@@ -50,14 +50,9 @@ static enum exit_code parse(const command *self, int argc, char **argv, mock_opt
 }
 
 static const char *rotations(int rotate) {
-    switch (rotate) {
-    case 2:
-        return ", each at 0 and 90 degrees";
-    case 4:
-        return ", each at 0, 45, 90 and 135 degrees";
-    default:
-        return "";
-    }
+    return rotate == 2   ? ", each at 0 and 90 degrees"
+           : rotate == 4 ? ", each at 0, 45, 90 and 135 degrees"
+                         : "";
 }
 
 static void print_report(const mock_options *o, const shear_mock_info *info) {

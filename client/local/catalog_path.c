@@ -48,7 +48,7 @@ static bool reads_file(const shear_input *input, const struct stat *st) {
 static enum exit_code check_existing(const char *path, const struct stat *st,
                                      const measure_input *inputs, size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
-        if (reads_file(inputs[i].source, st)) {
+        if (reads_file(&inputs[i].source, st)) {
             return message_fail(EXIT_CODE_USAGE, NULL,
                                 "--catalog %s: that is one of the input files", path);
         }

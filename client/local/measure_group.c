@@ -99,7 +99,7 @@ static void run_input(measure_input *input, const measure_options *o, const gath
         .progress = progress_callback,
         .context = bar,
     };
-    int code = shear_run_input(input->source, &o->settings.values, &run, to->sums, to->jack,
+    int code = shear_run_input(&input->source, &o->settings.values, &run, to->sums, to->jack,
                                &input->report, &err);
     progress_end(bar);
     if (code != SHEAR_OK) {

@@ -4,16 +4,15 @@
 #include "base/cleanup.h"
 #include "terminal/message.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Open and check the file. `name` is the name of its field; NULL: the file must contain one. */
 static int look_into(measure_input *input, const char *name, shear_error *err) {
     shear_field *field = NULL;
-    TRY(shear_field_open_input(&field, input->source, NULL, err));
+    TRY(shear_field_open_input(&field, &input->source, NULL, err));
     input->info = *shear_field_get_info(field);
     shear_field_close(field);
-    TRY(shear_input_checksum(input->source, NULL, &input->info, input->checksum, err));
+    TRY(shear_input_checksum(&input->source, NULL, &input->info, input->checksum, err));
     return name != NULL ? SHEAR_OK
                         : shear_field_need_name(&input->info, measure_input_path(input), err);
 }
@@ -31,7 +30,7 @@ static bool is_duplicate(const measure_input *inputs, size_t i) {
 }
 
 const char *measure_input_path(const measure_input *input) {
-    const shear_input *source = input->source;
+    const shear_input *source = &input->source;
     return source->path != NULL ? source->path : source->parts[SHEAR_PART_GALAXY].path;
 }
 
@@ -46,12 +45,6 @@ void measure_inputs_open(measure_input *inputs, size_t n, const char *field) {
         inputs[i].field = field != NULL ? field : inputs[i].info.name;
         inputs[i].duplicate = is_duplicate(inputs, i);
     }
-}
-
-void measure_inputs_free(measure_input *inputs, size_t n) {
-    for (size_t i = 0; inputs != NULL && i < n; i++)
-        free(inputs[i].catalog);
-    free(inputs);
 }
 
 bool measure_input_is_wanted(const measure_input *input) {

@@ -11,15 +11,15 @@
 #include <stddef.h>
 
 typedef struct measure_input {
-    const shear_input *source; /* owned by the caller */
-    const char *path;          /* for messages and reports: shear_input_text */
+    shear_input source; /* its texts are owned by the caller */
+    const char *path;   /* for messages and reports: shear_input_text */
     enum exit_code
         failure;       /* EXIT_CODE_DONE, or the reason for the failure, which has been printed */
     bool duplicate;    /* same content and field as an earlier file: not measured */
     const char *field; /* the field that it belongs to: --field, or info.name */
     shear_field_info info; /* as opened */
     char checksum[SHEAR_CHECKSUM_SIZE];
-    char *catalog; /* path of its catalog (catalog_path.h), owned; or NULL */
+    char *catalog; /* path of its catalog (catalog_path.h), to be freed; or NULL */
     bool measured; /* its sums are in the field's result, and the report is complete */
     shear_run_report report;
 } measure_input;
@@ -27,7 +27,6 @@ typedef struct measure_input {
 /* Open and check every file, find its field and checksum, and mark duplicates. Errors are printed.
  * `field`, unless NULL, overrides the files' own names. */
 void measure_inputs_open(measure_input *inputs, size_t n, const char *field);
-void measure_inputs_free(measure_input *inputs, size_t n);
 
 /* Return the path of the file that gives field and catalog their names. */
 const char *measure_input_path(const measure_input *input);

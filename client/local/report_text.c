@@ -2,11 +2,11 @@
 #include "local/report_text.h"
 
 #include "base/text.h"
-#include "local/value_text.h"
 #include "shear/settings.h"
 #include "shear/stamp.h"
 #include "sheard/advice.h"
 #include "sheard/no_shear.h"
+#include "terminal/human.h"
 #include "terminal/text_line.h"
 
 #include <inttypes.h>
@@ -178,12 +178,12 @@ static int64_t count_artefacts(const sheard_report_summary *s) {
 static void print_component(const char *name, double g, double error, double truth, double pull,
                             bool own, FILE *out) {
     char value[96];
-    value_text(g, error, value, sizeof value);
+    human_value(g, error, value, sizeof value);
     if (!isfinite(g)) {
         text_line(out, name, "not measured");
     } else if (isfinite(truth) && own) {
-        text_line(out, name, "%s   truth %+.*f   pull %+.2f", value, value_text_decimals(error),
-                  truth, pull);
+        text_line(out, name, "%s   truth %+.*f   pull %+.2f", value, human_decimals(error), truth,
+                  pull);
     } else if (isfinite(truth)) {
         text_line(out, name, "%s   truth %+.6g   pull %+.2f", value, truth, pull);
     } else {

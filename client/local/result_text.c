@@ -3,9 +3,9 @@
 
 #include "local/estimators.h"
 #include "local/report_text.h"
-#include "local/value_text.h"
 #include "sheard/advice.h"
 #include "sheard/no_shear.h"
+#include "terminal/human.h"
 #include "terminal/message.h"
 #include "terminal/text_line.h"
 
@@ -17,8 +17,8 @@ static void print_estimators(const sheard_report_estimators *e, FILE *out) {
     for (int i = 0; i < e->n; i++) {
         const shear_result *r = &e->of[i];
         text_line(out, shear_estimator_name(r->estimator), "g1 %s, g2 %s",
-                  value_text(r->g1, r->g1_err, g1, sizeof g1),
-                  value_text(r->g2, r->g2_err, g2, sizeof g2));
+                  human_value(r->g1, r->g1_err, g1, sizeof g1),
+                  human_value(r->g2, r->g2_err, g2, sizeof g2));
     }
     if (e->n > 0)
         text_line(out, "precision", "%s", estimators_words(e, words, sizeof words));

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/field_table.h"
 
-#include "local/value_text.h"
 #include "terminal/human.h"
 #include "terminal/style.h"
 
@@ -18,8 +17,8 @@ void field_table_add(text_table *t, const sheard_msg_summary *f, int64_t now_ms)
     char text[96];
     char age[HUMAN_SIZE];
     text_table_cell(t, NULL, "%s", f->field);
-    text_table_cell(t, NULL, "%s", value_text(f->g1, f->g1_err, text, sizeof text));
-    text_table_cell(t, NULL, "%s", value_text(f->g2, f->g2_err, text, sizeof text));
+    text_table_cell(t, NULL, "%s", human_value(f->g1, f->g1_err, text, sizeof text));
+    text_table_cell(t, NULL, "%s", human_value(f->g2, f->g2_err, text, sizeof text));
     text_table_cell(t, NULL, "%" PRId64, f->n_used);
     text_table_cell(t, NULL, "%" PRId64, f->n_stamps);
     text_table_cell(t, NULL, "%" PRId64, f->jobs);

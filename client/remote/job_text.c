@@ -4,7 +4,6 @@
 #include "local/report_text.h"
 
 #include "base/text.h"
-#include "local/value_text.h"
 #include "sheard/report_summary.h"
 #include "terminal/bar.h"
 #include "terminal/human.h"
@@ -159,8 +158,8 @@ void job_results_add(text_table *t, const sheard_msg_job *job) {
     text_table_cell(t, job_state_style(job->state), "%s%s", sheard_job_state_name(job->state),
                     job->outcome == SHEARD_OUTCOME_DUPLICATE ? " (duplicate)" : "");
     text_table_cell(t, NULL, "%s", or_dash(job->field));
-    text_table_cell(t, NULL, "%s", has ? value_text(s.g1, s.g1_err, text, sizeof text) : "-");
-    text_table_cell(t, NULL, "%s", has ? value_text(s.g2, s.g2_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%s", has ? human_value(s.g1, s.g1_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%s", has ? human_value(s.g2, s.g2_err, text, sizeof text) : "-");
     text_table_cell(t, NULL, "%" PRId64, s.n_used);
     text_table_cell(t, NULL, "%" PRId64, s.n_stamps);
     text_table_cell(t, NULL, "%s", job_source_text(job, text, sizeof text));

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* human.h: times, durations, sizes and rates as text. Pure functions; those that write into buf
- * return buf. */
+/* human.h: times, durations, sizes, rates and measured values as text. Pure functions; those that
+ * write into buf return buf. */
 #pragma once
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum { HUMAN_SIZE = 32 };
@@ -28,3 +29,9 @@ char *human_rate(double per_second, char buf[HUMAN_SIZE]);
 /* Parse "90", "90s", "250ms", "5min", "2h" or "1d" into seconds. Returns false for anything else.
  */
 bool human_parse_duration(const char *text, double *seconds);
+
+/* Write "+0.02852 +- 0.00080" into buf: the error with two digits, the value with the same
+ * decimals; "-" if the value is not finite. */
+char *human_value(double value, double error, char *buf, size_t size);
+/* Return the number of decimals that show two digits of the error. */
+int human_decimals(double error);

@@ -5,24 +5,8 @@
 #include "report/advice_say.h"
 
 #include <inttypes.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-/* Write "3 of 64 PSFs examined (the worst): ", if there are several, then the text. */
-__attribute__((format(printf, 5, 6))) static const char *
-say(const shear_psf_summary *s, int64_t count, char *buf, size_t size, const char *format, ...) {
-    int used = 0;
-    if (s->looked_at > 1) {
-        used = snprintf(buf, size, "%" PRId64 " of %" PRId64 " PSFs examined (the worst): ", count,
-                        s->looked_at);
-    }
-    va_list args;
-    va_start(args, format);
-    vsnprintf(buf + used, size - (size_t)used, format, args);
-    va_end(args);
-    return buf;
-}
 
 static double percent(double part) {
     return 100.0 * part;
@@ -41,19 +25,19 @@ static const char *how_much(double bias, char buf[32]) {
 static const char *pedestal(const shear_plan_info *plan, char *buf, size_t size) {
     char much[32];
     const shear_psf_summary *s = &plan->psf;
-    return say(s, s->flawed[SHEAR_PSF_PEDESTAL], buf, size,
-               "the PSF's border is at %.2g %% of its peak and does not fall, which biases the "
-               "shear by %s: was its background left in, or taken off twice? subtract "
-               "what the border has",
-               percent(s->worst.border),
-               how_much(shear_psf_border_bias(&s->worst, plan->beta_px), much));
+    return advice_say(
+        buf, size,
+        "the PSF's border is at %.2g %% of its peak and does not fall, which biases the "
+        "shear by %s: was its background left in, or taken off twice? subtract "
+        "what the border has",
+        percent(s->worst.border), how_much(shear_psf_border_bias(&s->worst, plan->beta_px), much));
 }
 
 static const char *cut(const shear_plan_info *plan, char *buf, size_t size) {
     char much[32];
     const shear_psf_summary *s = &plan->psf;
-    return say(
-        s, s->flawed[SHEAR_PSF_CUT], buf, size,
+    return advice_say(
+        buf, size,
         "the PSF's wings are cut off where they are at %.2g %% of the peak (about %.2g %% of "
         "the light is missing), which biases the shear by %s: give a larger image "
         "of the PSF, with no background left in",
@@ -64,29 +48,31 @@ static const char *cut(const shear_plan_info *plan, char *buf, size_t size) {
 static const char *noisy(const shear_plan_info *plan, char *buf, size_t size) {
     const shear_psf_summary *s = &plan->psf;
     const double m = shear_psf_noise_bias(&s->worst, plan->beta_px);
-    return say(s, s->flawed[SHEAR_PSF_NOISY], buf, size,
-               "the PSF is noisy, which makes errors of about %.1g %% of the shear and of %.1g "
-               "besides, and the errors given do not contain them: give a model of the PSF, or the "
-               "mean of more stars",
-               percent(m), 0.7 * m);
+    return advice_say(
+        buf, size,
+        "the PSF is noisy, which makes errors of about %.1g %% of the shear and of %.1g "
+        "besides, and the errors given do not contain them: give a model of the PSF, or the "
+        "mean of more stars",
+        percent(m), 0.7 * m);
 }
 
 static const char *undersampled(const shear_plan_info *plan, char *buf, size_t size) {
     char much[32];
     const shear_psf_summary *s = &plan->psf;
-    return say(s, s->flawed[SHEAR_PSF_UNDERSAMPLED], buf, size,
-               "the PSF is under-sampled: its radius R_PSF is only %.2g of its samples, which "
-               "biases the shear by %s: give it with more samples per pixel (OVERSAMP)",
-               s->worst.sampling,
-               how_much(shear_psf_sampling_bias(&s->worst, plan->beta_px), much));
+    return advice_say(
+        buf, size,
+        "the PSF is under-sampled: its radius R_PSF is only %.2g of its samples, which "
+        "biases the shear by %s: give it with more samples per pixel (OVERSAMP)",
+        s->worst.sampling, how_much(shear_psf_sampling_bias(&s->worst, plan->beta_px), much));
 }
 
 static const char *negative(const shear_plan_info *plan, char *buf, size_t size) {
     const shear_psf_summary *s = &plan->psf;
-    return say(s, s->flawed[SHEAR_PSF_NEGATIVE], buf, size,
-               "the PSF falls to %.2g %% of its peak, and no light is negative: a bad pixel, or "
-               "ringing of whatever resampled it?",
-               percent(s->worst.lowest));
+    return advice_say(
+        buf, size,
+        "the PSF falls to %.2g %% of its peak, and no light is negative: a bad pixel, or "
+        "ringing of whatever resampled it?",
+        percent(s->worst.lowest));
 }
 
 static const char *unusable(const shear_psf_summary *s, char *buf, size_t size) {
@@ -97,22 +83,36 @@ static const char *unusable(const shear_psf_summary *s, char *buf, size_t size) 
         s->unusable, s->looked_at);
 }
 
+typedef const char *flaw_text(const shear_plan_info *plan, char *buf, size_t size);
+
+/* Add "3 of 64 PSFs examined (the worst): ", if there are several, and the text. */
+static void add_flaw(sheard_advice_list *list, const shear_plan_info *plan, int64_t count,
+                     flaw_text *text_of) {
+    char *line = list->text[list->n];
+    line[0] = '\0';
+    if (plan->psf.looked_at > 1) {
+        advice_say(line, SHEARD_ADVICE_SIZE,
+                   "%" PRId64 " of %" PRId64 " PSFs examined (the worst): ", count,
+                   plan->psf.looked_at);
+    }
+    const size_t used = strlen(line);
+    text_of(plan, line + used, SHEARD_ADVICE_SIZE - used);
+    list->lines[list->n++] = line;
+}
+
 void sheard_advice_psf(sheard_advice_list *list, const shear_plan_info *plan) {
-    static const char *(*const flaws[SHEAR_N_PSF_FLAWS])(
-        const shear_plan_info *, char *, size_t) = {[SHEAR_PSF_PEDESTAL] = pedestal,
-                                                    [SHEAR_PSF_CUT] = cut,
-                                                    [SHEAR_PSF_NOISY] = noisy,
-                                                    [SHEAR_PSF_UNDERSAMPLED] = undersampled,
-                                                    [SHEAR_PSF_NEGATIVE] = negative};
+    static flaw_text *const flaws[SHEAR_N_PSF_FLAWS] = {[SHEAR_PSF_PEDESTAL] = pedestal,
+                                                        [SHEAR_PSF_CUT] = cut,
+                                                        [SHEAR_PSF_NOISY] = noisy,
+                                                        [SHEAR_PSF_UNDERSAMPLED] = undersampled,
+                                                        [SHEAR_PSF_NEGATIVE] = negative};
     if (plan->psf.unusable > 0) {
         list->lines[list->n] = unusable(&plan->psf, list->text[list->n], SHEARD_ADVICE_SIZE);
         list->n++;
     }
     for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
-        if (plan->psf.flawed[i] > 0) {
-            list->lines[list->n] = flaws[i](plan, list->text[list->n], SHEARD_ADVICE_SIZE);
-            list->n++;
-        }
+        if (plan->psf.flawed[i] > 0)
+            add_flaw(list, plan, plan->psf.flawed[i], flaws[i]);
     }
 }
 
