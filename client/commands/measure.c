@@ -45,17 +45,14 @@ static enum exit_code parse(const command *self, int argc, char **argv, measure_
 /* Write the report of a measured group as JSON into *text, to be freed by the caller. */
 static enum exit_code make_report(char **text, const measure_group *g, const measure_options *o) {
     shear_error err = {0};
-    CLEANUP(release_free) sheard_report_file *files = calloc(g->n, sizeof *files);
-    if (files == NULL)
-        return message_no_memory();
     const measure_input *top = measure_group_top(g);
     sheard_report report = {
         .field = g->field,
         .result = &g->result,
         .settings = &o->settings.values,
         .plan = &measure_group_first(g)->report.plan,
-        .files = files,
-        .n_files = measure_group_files(g, files),
+        .files = g->files,
+        .n_files = g->n_measured,
         .warnings = (const char *const *)g->warnings.text,
         .n_warnings = g->warnings.n,
         .estimators = &g->estimators,

@@ -14,10 +14,9 @@
 
 static void name_owner(const struct stat *st, char *buf, size_t size) {
     const struct passwd *user = getpwuid(st->st_uid);
-    char name[64];
-    snprintf(name, sizeof name, "%s", user != NULL ? user->pw_name : "?");
     const struct group *group = getgrgid(st->st_gid);
-    snprintf(buf, size, "%s:%s", name, group != NULL ? group->gr_name : "?");
+    snprintf(buf, size, "%s:%s", user != NULL ? user->pw_name : "?",
+             group != NULL ? group->gr_name : "?");
 }
 
 static void check_permissions(doctor *d, const char *path, const struct stat *st) {

@@ -47,6 +47,7 @@ bool measure_groups_new(measure_input *inputs, size_t n, measure_group **groups,
 void measure_groups_free(measure_group *groups, size_t n_groups) {
     for (size_t i = 0; groups != NULL && i < n_groups; i++) {
         free(groups[i].inputs);
+        free(groups[i].files);
         warnings_deinit(&groups[i].warnings);
     }
     free(groups);
@@ -116,10 +117,23 @@ static void run_inputs(measure_group *g, measure_input **order, const measure_op
     for (size_t i = 0; i < g->n; i++) {
         if (progress_interrupted()) {
             order[i]->failure = EXIT_CODE_OTHER;
-            continue;
+        } else {
+            run_input(order[i], o, to);
         }
-        run_input(order[i], o, to);
-        g->n_measured += order[i]->measured;
+    }
+}
+
+/* Describe the measured files as a report contains them, and add up their times. */
+static void list_files(measure_group *g) {
+    for (size_t i = 0; i < g->n; i++) {
+        const measure_input *input = g->inputs[i];
+        const shear_run_report *run = &input->report;
+        if (input->measured) {
+            g->files[g->n_measured++] = (sheard_report_file){
+                input->path,        input->checksum, input->info.name, run->result.n_stamps,
+                run->result.n_used, &run->plan,      run->seconds};
+            g->seconds += run->seconds;
+        }
     }
 }
 
@@ -161,6 +175,7 @@ static int run_all(measure_group *g, const measure_options *o, measure_input **o
     CLEANUP(gathering_deinit) gathering to = {0};
     TRY(gathering_init(&to, g, o, err));
     run_inputs(g, order, o, &to);
+    list_files(g);
     TRY(shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err));
     if (to.terms != NULL)
         check_weights(g, to.terms);
@@ -195,12 +210,9 @@ static int check_result(const measure_group *g, shear_error *err) {
 /* The advice concerns the PSF of the first file; warn if other files have another one. */
 static void warn_of_other_psfs(measure_group *g) {
     char line[SHEARD_ADVICE_SIZE];
-    CLEANUP(release_free) sheard_report_file *files = calloc(g->n, sizeof *files);
-    if (files != NULL &&
-        sheard_advice_other_psfs(files, measure_group_files(g, files), measure_group_first(g)->path,
-                                 line, sizeof line) != NULL) {
+    const char *first = measure_group_first(g)->path;
+    if (sheard_advice_other_psfs(g->files, g->n_measured, first, line, sizeof line) != NULL)
         warnings_add(&g->warnings, "%s", line);
-    }
 }
 
 /* Add warnings about the result. */
@@ -221,7 +233,8 @@ static void add_warnings(measure_group *g) {
 static int measure(measure_group *g, const measure_options *o, shear_error *err) {
     /* in the order of the arguments, or of the checksums for a jackknife */
     CLEANUP(release_free) measure_input **order = calloc(g->n, sizeof(measure_input *));
-    if (order == NULL)
+    g->files = calloc(g->n, sizeof *g->files);
+    if (order == NULL || g->files == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     memcpy(order, g->inputs, g->n * sizeof(measure_input *));
     if (o->jackknife > 0) {
@@ -235,8 +248,6 @@ bool measure_group_run(measure_group *g, const measure_options *o) {
     shear_error err = {0};
     int code = measure(g, o, &err);
     const bool measured = code == SHEAR_OK && g->n_measured > 0;
-    for (size_t i = 0; i < g->n; i++)
-        g->seconds += g->inputs[i]->measured ? g->inputs[i]->report.seconds : 0.0;
     if (measured) {
         add_warnings(g);
         code = check_result(g, &err);
@@ -244,20 +255,6 @@ bool measure_group_run(measure_group *g, const measure_options *o) {
     if (code != SHEAR_OK)
         fail_all(g, &err);
     return measured;
-}
-
-size_t measure_group_files(const measure_group *g, sheard_report_file *files) {
-    size_t n = 0;
-    for (size_t i = 0; i < g->n; i++) {
-        const measure_input *input = g->inputs[i];
-        if (input->measured) {
-            const shear_run_report *run = &input->report;
-            files[n++] = (sheard_report_file){
-                input->path,        input->checksum, input->info.name, run->result.n_stamps,
-                run->result.n_used, &run->plan,      run->seconds};
-        }
-    }
-    return n;
 }
 
 const measure_input *measure_group_first(const measure_group *g) {

@@ -26,8 +26,9 @@ typedef struct measure_group {
     size_t n, capacity;
     shear_result result;
     sheard_report_estimators estimators; /* for the same stamps; errors without jackknife */
-    size_t n_measured;                   /* files in the result */
-    double seconds;                      /* wall clock, for all files */
+    sheard_report_file *files;           /* [n_measured], those in the result; owned */
+    size_t n_measured;
+    double seconds; /* wall clock, for all files */
     warning_list warnings;
 } measure_group;
 
@@ -48,8 +49,5 @@ bool measure_group_run(measure_group *group, const measure_options *options);
 const measure_input *measure_group_first(const measure_group *group);
 /* Return the file with the most influential stamp, or NULL if it is unknown. */
 const measure_input *measure_group_top(const measure_group *group);
-/* Describe the measured files in files[group->n], as a report contains them. Returns their number.
- */
-size_t measure_group_files(const measure_group *group, sheard_report_file *files);
 /* Return whether all measured files have the same true shear, and store it in *g1, *g2. */
 bool measure_group_truth(const measure_group *group, double *g1, double *g2);

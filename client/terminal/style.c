@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "terminal/style.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -58,27 +59,29 @@ static size_t step(const char *text, int *columns) {
     return n;
 }
 
-size_t style_fit(const char *text, int columns) {
+/* Return the bytes of `text` that fit into `columns`, and the columns that they take in *taken. */
+static size_t fit(const char *text, int columns, int *taken) {
     size_t at = 0;
+    *taken = 0;
     while (text[at] != '\0') {
         const size_t escape = escape_length(text + at);
         int width = 0;
         const size_t n = escape != 0 ? escape : step(text + at, &width);
-        if (width > columns)
+        if (width > columns - *taken)
             break;
-        columns -= width;
+        *taken += width;
         at += n;
     }
     return at;
 }
 
+size_t style_fit(const char *text, int columns) {
+    int taken = 0;
+    return fit(text, columns, &taken);
+}
+
 int style_width(const char *text) {
-    int sum = 0;
-    while (*text != '\0') {
-        const size_t escape = escape_length(text);
-        int width = 0;
-        text += escape != 0 ? escape : step(text, &width);
-        sum += width;
-    }
-    return sum;
+    int taken = 0;
+    fit(text, INT_MAX, &taken);
+    return taken;
 }
