@@ -37,7 +37,7 @@ static enum exit_code print_one(watch_options *w) {
         watch_view_json(&view, stdout);
         return EXIT_CODE_DONE;
     }
-    const enum exit_code printed = watch_view_print(&view, stdout, false, 0);
+    const enum exit_code printed = watch_view_print(&view, stdout, false);
     putchar('\n');
     fflush(stdout);
     return printed;
@@ -65,7 +65,7 @@ static enum connection_status print_view(watch_options *w, FILE *out, sheard_rpc
     CLEANUP(watch_view_deinit) watch_view view = {0};
     const enum connection_status status = watch_view_init(&view, s, w->jobs, error);
     if (status == CONNECTION_OK) {
-        watch_view_print(&view, out, style_on(stdout), 0);
+        watch_view_print(&view, out, style_on(stdout));
     } else {
         service_close(s);
     }

@@ -120,22 +120,19 @@ static text_table *fields_of_jobs(const watch_view *v) {
 }
 
 /* Print a table, which is freed, under its title; nothing if it has no rows. */
-static enum exit_code print_part(const char *title, text_table *rows, FILE *out, bool colours,
-                                 int columns) {
+static enum exit_code print_part(const char *title, text_table *rows, FILE *out, bool colours) {
     CLEANUP(text_table_release) text_table *t = rows;
     if (text_table_is_empty(t))
         return EXIT_CODE_DONE;
     fprintf(out, "\n%s%s%s\n", colours ? STYLE_BOLD : "", title, colours ? STYLE_END : "");
-    return text_table_render(t, out, 2, colours, columns);
+    return text_table_render(t, out, 2, colours, 0);
 }
 
-enum exit_code watch_view_print(const watch_view *v, FILE *out, bool colours, int columns) {
+enum exit_code watch_view_print(const watch_view *v, FILE *out, bool colours) {
     status_text_brief(&v->parts[WATCH_STATUS].reply.status, colours, out);
-    TRY(print_part("running", active_jobs(&v->parts[WATCH_ACTIVE].reply.jobs), out, colours,
-                   columns));
-    TRY(print_part("finished", finished_jobs(&v->parts[WATCH_FINISHED].reply.jobs), out, colours,
-                   columns));
-    return print_part("fields", fields_of_jobs(v), out, colours, columns);
+    TRY(print_part("running", active_jobs(&v->parts[WATCH_ACTIVE].reply.jobs), out, colours));
+    TRY(print_part("finished", finished_jobs(&v->parts[WATCH_FINISHED].reply.jobs), out, colours));
+    return print_part("fields", fields_of_jobs(v), out, colours);
 }
 
 void watch_view_json(const watch_view *v, FILE *out) {

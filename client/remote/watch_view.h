@@ -28,8 +28,7 @@ enum connection_status watch_view_init(watch_view *view, service *s, int64_t n_j
                                        sheard_rpc_error *error);
 void watch_view_deinit(watch_view *view);
 
-/* Print lines of at most `columns` columns (0: no limit), with or without colours. Returns an exit
- * code. */
-enum exit_code watch_view_print(const watch_view *view, FILE *out, bool colours, int columns);
+/* Print it, with or without colours. Returns an exit code. */
+enum exit_code watch_view_print(const watch_view *view, FILE *out, bool colours);
 /* Print one JSON object on one line: status, active, finished, fields. */
 void watch_view_json(const watch_view *view, FILE *out);

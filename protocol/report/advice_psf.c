@@ -22,32 +22,30 @@ static const char *how_much(double bias, char buf[32]) {
     return buf;
 }
 
-static const char *pedestal(const shear_plan_info *plan, char *buf, size_t size) {
+/* The flaws, of the worst PSF, in words. */
+
+static const char *pedestal(const shear_psf_quality *q, double beta_px, char *buf, size_t size) {
     char much[32];
-    const shear_psf_summary *s = &plan->psf;
     return advice_say(
         buf, size,
         "the PSF's border is at %.2g %% of its peak and does not fall, which biases the "
         "shear by %s: was its background left in, or taken off twice? subtract "
         "what the border has",
-        percent(s->worst.border), how_much(shear_psf_border_bias(&s->worst, plan->beta_px), much));
+        percent(q->border), how_much(shear_psf_border_bias(q, beta_px), much));
 }
 
-static const char *cut(const shear_plan_info *plan, char *buf, size_t size) {
+static const char *cut(const shear_psf_quality *q, double beta_px, char *buf, size_t size) {
     char much[32];
-    const shear_psf_summary *s = &plan->psf;
     return advice_say(
         buf, size,
         "the PSF's wings are cut off where they are at %.2g %% of the peak (about %.2g %% of "
         "the light is missing), which biases the shear by %s: give a larger image "
         "of the PSF, with no background left in",
-        percent(s->worst.border), percent(s->worst.cut),
-        how_much(shear_psf_border_bias(&s->worst, plan->beta_px), much));
+        percent(q->border), percent(q->cut), how_much(shear_psf_border_bias(q, beta_px), much));
 }
 
-static const char *noisy(const shear_plan_info *plan, char *buf, size_t size) {
-    const shear_psf_summary *s = &plan->psf;
-    const double m = shear_psf_noise_bias(&s->worst, plan->beta_px);
+static const char *noisy(const shear_psf_quality *q, double beta_px, char *buf, size_t size) {
+    const double m = shear_psf_noise_bias(q, beta_px);
     return advice_say(
         buf, size,
         "the PSF is noisy, which makes errors of about %.1g %% of the shear and of %.1g "
@@ -56,23 +54,23 @@ static const char *noisy(const shear_plan_info *plan, char *buf, size_t size) {
         percent(m), 0.7 * m);
 }
 
-static const char *undersampled(const shear_plan_info *plan, char *buf, size_t size) {
+static const char *undersampled(const shear_psf_quality *q, double beta_px, char *buf,
+                                size_t size) {
     char much[32];
-    const shear_psf_summary *s = &plan->psf;
     return advice_say(
         buf, size,
         "the PSF is under-sampled: its radius R_PSF is only %.2g of its samples, which "
         "biases the shear by %s: give it with more samples per pixel (OVERSAMP)",
-        s->worst.sampling, how_much(shear_psf_sampling_bias(&s->worst, plan->beta_px), much));
+        q->sampling, how_much(shear_psf_sampling_bias(q, beta_px), much));
 }
 
-static const char *negative(const shear_plan_info *plan, char *buf, size_t size) {
-    const shear_psf_summary *s = &plan->psf;
+static const char *negative(const shear_psf_quality *q, double beta_px, char *buf, size_t size) {
+    (void)beta_px;
     return advice_say(
         buf, size,
         "the PSF falls to %.2g %% of its peak, and no light is negative: a bad pixel, or "
         "ringing of whatever resampled it?",
-        percent(s->worst.lowest));
+        percent(q->lowest));
 }
 
 static const char *unusable(const shear_psf_summary *s, char *buf, size_t size) {
@@ -83,7 +81,7 @@ static const char *unusable(const shear_psf_summary *s, char *buf, size_t size) 
         s->unusable, s->looked_at);
 }
 
-typedef const char *flaw_text(const shear_plan_info *plan, char *buf, size_t size);
+typedef const char *flaw_text(const shear_psf_quality *q, double beta_px, char *buf, size_t size);
 
 /* Add "3 of 64 PSFs examined (the worst): ", if there are several, and the text. */
 static void add_flaw(sheard_advice_list *list, const shear_plan_info *plan, int64_t count,
@@ -96,7 +94,7 @@ static void add_flaw(sheard_advice_list *list, const shear_plan_info *plan, int6
                    plan->psf.looked_at);
     }
     const size_t used = strlen(line);
-    text_of(plan, line + used, SHEARD_ADVICE_SIZE - used);
+    text_of(&plan->psf.worst, plan->beta_px, line + used, SHEARD_ADVICE_SIZE - used);
     list->lines[list->n++] = line;
 }
 
