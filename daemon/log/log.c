@@ -48,14 +48,13 @@ static bool is_journal(int fd) {
 }
 
 void log_open(const log_options *o) {
-    pthread_mutex_lock(&lock);
+    log_set_level(o->level);
+    LOCKED(&lock);
     options = *o;
     journal = o->style == LOG_JOURNAL || (o->style == LOG_AUTO && is_journal(o->fd));
     messages = (repeats){0};
     losses = (log_losses){0};
     outlet_open(o->fd);
-    pthread_mutex_unlock(&lock);
-    log_set_level(o->level);
 }
 
 void log_set_level(enum log_level level) {
@@ -162,9 +161,8 @@ bool log_drain(int timeout_ms) {
 }
 
 log_losses log_get_losses(void) {
-    pthread_mutex_lock(&lock);
+    LOCKED(&lock);
     log_losses got = losses;
-    pthread_mutex_unlock(&lock);
     got.waiting_bytes = (int64_t)outlet_waiting();
     return got;
 }

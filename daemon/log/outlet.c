@@ -53,12 +53,11 @@ static bool start_thread(void) {
 
 void outlet_open(int fd) {
     struct stat st;
-    pthread_mutex_lock(&lock);
+    LOCKED(&lock);
     target = fd;
     through_thread = fstat(fd, &st) != 0 || !S_ISREG(st.st_mode);
     if (through_thread && !has_thread)
         has_thread = through_thread = start_thread();
-    pthread_mutex_unlock(&lock);
 }
 
 static void append(const char *bytes, size_t n) {
@@ -72,24 +71,22 @@ static void append(const char *bytes, size_t n) {
 }
 
 bool outlet_put(const char *bytes, size_t n) {
-    bool taken = true;
-    pthread_mutex_lock(&lock);
+    LOCKED(&lock);
     if (!through_thread) {
         io_write(target, bytes, n);
-    } else if (n <= OUTLET_BYTES - count) {
-        append(bytes, n);
-        pthread_cond_signal(&filled);
-    } else {
-        taken = false;
+        return true;
     }
-    pthread_mutex_unlock(&lock);
-    return taken;
+    if (n > OUTLET_BYTES - count)
+        return false;
+    append(bytes, n);
+    pthread_cond_signal(&filled);
+    return true;
 }
 
 bool outlet_drain(int timeout_ms) {
     struct timespec end;
     int rc = 0;
-    pthread_mutex_lock(&lock);
+    LOCKED(&lock);
     clock_gettime(CLOCK_MONOTONIC, &end);
     end.tv_sec += timeout_ms / 1000;
     end.tv_nsec += (timeout_ms % 1000) * 1000000L;
@@ -97,14 +94,10 @@ bool outlet_drain(int timeout_ms) {
     end.tv_nsec %= 1000000000L;
     while (count > 0 && rc == 0)
         rc = pthread_cond_clockwait(&emptied, &lock, CLOCK_MONOTONIC, &end);
-    const bool empty = count == 0;
-    pthread_mutex_unlock(&lock);
-    return empty;
+    return count == 0;
 }
 
 size_t outlet_waiting(void) {
-    pthread_mutex_lock(&lock);
-    const size_t n = count;
-    pthread_mutex_unlock(&lock);
-    return n;
+    LOCKED(&lock);
+    return count;
 }
