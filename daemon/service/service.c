@@ -9,7 +9,6 @@
 #include "reader/scratch.h"
 #include "service/core/clock.h"
 #include "service/core/directory.h"
-#include "service/core/owner.h"
 #include "service/core/parts.h"
 #include "service/core/reload.h"
 #include "service/core/tuning.h"
@@ -76,7 +75,8 @@ static const service_hooks hooks = {.running_jobs = running_jobs,
 
 static int check_owner(const service *s, shear_error *err) {
     const size_t i = (size_t)sheard_setting_find("daemon", "state_dir");
-    return owner_check(s->config.daemon.state_dir, sheard_setting_at(i).initial, "sheard", err);
+    return directory_check_owner(s->config.daemon.state_dir, sheard_setting_at(i).initial, "sheard",
+                                 err);
 }
 
 static int open_store(service *s, shear_error *err) {
