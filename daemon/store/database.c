@@ -16,20 +16,23 @@ int database_exec(sqlite3 *db, const char *path, const char *sql, shear_error *e
     return rc == SQLITE_OK ? SHEAR_OK : database_fail(db, path, rc, "setting up", err);
 }
 
+static void statement_finalize(sqlite3_stmt **stmt) {
+    sqlite3_finalize(*stmt);
+}
+
+/* Prepare a query and step to its first row; return SQLite's result code. */
+static int first_row(sqlite3 *db, const char *sql, sqlite3_stmt **stmt) {
+    const int rc = sqlite3_prepare_v2(db, sql, -1, stmt, NULL);
+    return rc == SQLITE_OK ? sqlite3_step(*stmt) : rc;
+}
+
 int database_number(sqlite3 *db, const char *path, const char *sql, int64_t *value,
                     shear_error *err) {
-    sqlite3_stmt *stmt = NULL;
-    *value = 0;
-    int rc = sqlite3_prepare_v2(db, sql, -1, &stmt, NULL);
-    if (rc == SQLITE_OK)
-        rc = sqlite3_step(stmt);
-    if (rc == SQLITE_ROW) {
-        *value = sqlite3_column_int64(stmt, 0);
-        rc = SQLITE_DONE;
-    }
-    const int code = rc == SQLITE_DONE ? SHEAR_OK : database_fail(db, path, rc, "reading", err);
-    sqlite3_finalize(stmt);
-    return code;
+    CLEANUP(statement_finalize) sqlite3_stmt *stmt = NULL;
+    const int rc = first_row(db, sql, &stmt);
+    *value = rc == SQLITE_ROW ? sqlite3_column_int64(stmt, 0) : 0;
+    return rc == SQLITE_ROW || rc == SQLITE_DONE ? SHEAR_OK
+                                                 : database_fail(db, path, rc, "reading", err);
 }
 
 /* Make the file with mode 0600: SQLite's mode would let others read it, depending on the umask. An
@@ -110,15 +113,9 @@ int database_connect(sqlite3 **db, const char *path, const store_options *option
     return code;
 }
 
-static void statement_finalize(sqlite3_stmt **stmt) {
-    sqlite3_finalize(*stmt);
-}
-
 static int start_wal(sqlite3 *db, const char *path, shear_error *err) {
     CLEANUP(statement_finalize) sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(db, "PRAGMA journal_mode = WAL", -1, &stmt, NULL);
-    if (rc == SQLITE_OK)
-        rc = sqlite3_step(stmt);
+    const int rc = first_row(db, "PRAGMA journal_mode = WAL", &stmt);
     if (rc != SQLITE_ROW)
         return database_fail(db, path, rc, "starting the write-ahead log", err);
     if (strcmp((const char *)sqlite3_column_text(stmt, 0), "wal") != 0) {

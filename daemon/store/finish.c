@@ -3,7 +3,6 @@
 #include "store/field_row.h"
 
 #include "base/cleanup.h"
-#include "store/identity.h"
 #include "store/job.h"
 #include "store/operation.h"
 #include "store/sums_text.h"
@@ -18,8 +17,6 @@ typedef struct job_sums {
     shear_field_sums *sums; /* NULL: not given */
     char *packed;
     int64_t n_stamps, n_used;
-    const unsigned char *terms; /* borrowed; may be NULL */
-    size_t terms_size;
 } job_sums;
 
 static void job_sums_deinit(job_sums *j) {
@@ -29,7 +26,7 @@ static void job_sums_deinit(job_sums *j) {
 
 static int job_sums_init(job_sums *j, const store_work *w, shear_error *err) {
     shear_result result;
-    *j = (job_sums){.terms = w->terms, .terms_size = w->terms_size};
+    *j = (job_sums){0};
     if (w->sums == NULL)
         return SHEAR_OK;
     TRY(sums_parse_given(&j->sums, w->sums, err));
@@ -88,11 +85,11 @@ static int count(store *s, const job_row *job, const job_sums *j, const store_wo
     TRY(field.id == 0 ? add_field(s, job, j, w->now_ms, &field.id, err)
                       : join_field(s, &field, j, w->now_ms, err));
     TRY(add_contribution(s, job, field.id, j, w, err));
-    return j->terms != NULL ? terms_add_contribution(s, j->terms, j->terms_size, err) : SHEAR_OK;
+    return w->terms != NULL ? terms_add_contribution(s, w->terms, w->terms_size, err) : SHEAR_OK;
 }
 
 static int write_done(store *s, int64_t id, const store_work *w, const store_finished *end,
-                      const identity_match *m, shear_error *err) {
+                      const job_match *m, shear_error *err) {
     TRY(query_run(QUERY(s, SQL_JOB_DONE, query_int(id), query_int(end->outcome),
                         query_int(end->duplicate_of), query_int(m->n_stamps), query_int(m->n_used),
                         query_int(w->elapsed_us), query_int(w->now_ms), query_text(w->result),
@@ -104,9 +101,8 @@ static int write_done(store *s, int64_t id, const store_work *w, const store_fin
 /* Store the outcome. A duplicate's row shows the numbers of the job that was counted. */
 static int finish_done(store *s, const job_row *job, const store_work *w, const job_sums *j,
                        store_finished *end, shear_error *err) {
-    identity_match m = {0};
-    if (!job->force)
-        TRY(identity_find(s, job->field, job->settings_digest, job->content, &m, err));
+    job_match m;
+    TRY(job_find_counted(s, job, &m, err));
     *end = (store_finished){STORE_DONE, m.job != 0 ? STORE_DUPLICATE : STORE_COUNTED, m.job};
     if (m.job == 0) {
         if (j->sums == NULL) {
@@ -114,7 +110,7 @@ static int finish_done(store *s, const job_row *job, const store_work *w, const 
                               "job %" PRId64 " is no duplicate: it cannot finish without sums",
                               job->id);
         }
-        m = (identity_match){0, j->n_stamps, j->n_used};
+        m = (job_match){0, j->n_stamps, j->n_used};
         TRY(count(s, job, j, w, err));
     }
     TRY(job_close_attempt(s, job->id, STORE_ATTEMPT_DONE, w->now_ms, NULL, err));

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Store what a running job found in its input. */
-#include "store/identity.h"
+#include "store/job.h"
 
 #include "base/cleanup.h"
-#include "store/job.h"
 #include "store/operation.h"
 
 #include <string.h>
@@ -23,11 +22,10 @@ static int update(store *s, int64_t id, const store_input *input, shear_error *e
 static int set_input(store *s, int64_t id, const store_input *input, int64_t *duplicate_of,
                      shear_error *err) {
     CLEANUP(job_row_deinit) job_row job = {0};
-    identity_match match = {0};
+    job_match match;
     TRY(update(s, id, input, err));
     TRY(job_row_get(s, id, &job, err));
-    if (!job.force)
-        TRY(identity_find(s, job.field, job.settings_digest, job.content, &match, err));
+    TRY(job_find_counted(s, &job, &match, err));
     *duplicate_of = match.job;
     return SHEAR_OK;
 }

@@ -17,13 +17,27 @@ void job_row_deinit(job_row *job) {
     row_deinit(&job_row_type, job);
 }
 
+int job_missing(int64_t id, shear_error *err) {
+    return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
+}
+
 int job_row_get(store *s, int64_t id, job_row *job, shear_error *err) {
     bool found = false;
     TRY(row_get(QUERY(s, SQL_JOB_ROW, query_int(id)), &job_row_type, job, &found, err));
-    if (!found)
-        return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
     job->id = id;
-    return SHEAR_OK;
+    return found ? SHEAR_OK : job_missing(id, err);
+}
+
+#define MATCH(member) ROW_MEMBER(job_match, member)
+static const row_type match_type = ROW_TYPE(job_match, MATCH(job), MATCH(n_stamps), MATCH(n_used));
+
+int job_find_counted(store *s, const job_row *job, job_match *match, shear_error *err) {
+    *match = (job_match){0};
+    if (job->force || job->field == NULL || job->content == NULL)
+        return SHEAR_OK;
+    return row_get(QUERY(s, SQL_COUNTED_FIND, query_text(job->field),
+                         query_text(job->settings_digest), query_text(job->content)),
+                   &match_type, match, NULL, err);
 }
 
 int job_wrong_state(const job_row *job, const char *wanted, shear_error *err) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/job.h: steps that the operations on one job share. Call them within an operation
- * (operation.h). */
+/* store/job.h: steps that the operations on one job share: read its row, find the job counted with
+ * the same identity: field, settings, content. Call them within an operation (operation.h). */
 #pragma once
 
 #include "store/query.h"
@@ -19,6 +19,16 @@ int job_row_get(store *s, int64_t id, job_row *job, shear_error *err);
 int job_row_get_running(store *s, int64_t id, job_row *job, shear_error *err);
 void job_row_deinit(job_row *job);
 
+/* The job that was counted with the same identity. */
+typedef struct job_match {
+    int64_t job; /* the first one; 0: none */
+    int64_t n_stamps, n_used;
+} job_match;
+/* Find the match of a job. A job that is forced, or whose field or content is not known, has none.
+ */
+int job_find_counted(store *s, const job_row *job, job_match *match, shear_error *err);
+
+int job_missing(int64_t id, shear_error *err); /* Fail with STORE_NOT_FOUND. */
 int job_wrong_state(const job_row *job, const char *wanted, shear_error *err);
 
 /* Close the attempt of a running job. `why` is NULL unless it failed. */

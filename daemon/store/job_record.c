@@ -3,8 +3,8 @@
 #include "store/row.h"
 
 #include "base/cleanup.h"
+#include "store/job.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
 
 #define JOB(member) ROW_MEMBER(store_job, member)
@@ -21,14 +21,10 @@ void store_job_deinit(store_job *job) {
     row_deinit(&job_type, job);
 }
 
-static int no_job(int64_t id, shear_error *err) {
-    return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
-}
-
 int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
     bool found = false;
     TRY(row_get(QUERY(s, SQL_JOB_GET, query_int(id)), &job_type, job, &found, err));
-    return found ? SHEAR_OK : no_job(id, err);
+    return found ? SHEAR_OK : job_missing(id, err);
 }
 
 int store_job_state(store *s, int64_t id, enum store_state *state, shear_error *err) {
@@ -36,7 +32,7 @@ int store_job_state(store *s, int64_t id, enum store_state *state, shear_error *
     int64_t number = NO_ROW;
     TRY(query_number(QUERY(s, SQL_JOB_STATE, query_int(id)), NO_ROW, &number, err));
     if (number == NO_ROW)
-        return no_job(id, err);
+        return job_missing(id, err);
     *state = (enum store_state)number;
     return SHEAR_OK;
 }

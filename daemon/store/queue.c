@@ -46,10 +46,6 @@ int store_set_clock(store *s, const store_clock *clock, shear_error *err) {
     return OPERATION(s, set_clock(s, clock, err), err);
 }
 
-static void copy_text(char *to, size_t size, query *q) {
-    text_set(to, size, query_peek_text(q));
-}
-
 int store_waiting_reasons(store *s, store_waiting *reasons, size_t capacity, size_t *n,
                           shear_error *err) {
     bool row = false;
@@ -57,11 +53,11 @@ int store_waiting_reasons(store *s, store_waiting *reasons, size_t capacity, siz
     int code = query_step(&q, &row, err);
     for (*n = 0; row && *n < capacity; (*n)++) {
         store_waiting *w = &reasons[*n];
-        copy_text(w->code, sizeof w->code, &q);
+        text_set(w->code, sizeof w->code, query_peek_text(&q));
         w->jobs = query_get_int(&q);
         w->attempts = query_get_int(&q);
         w->next_ms = query_get_int(&q);
-        copy_text(w->message, sizeof w->message, &q);
+        text_set(w->message, sizeof w->message, query_peek_text(&q));
         code = query_step(&q, &row, err);
     }
     *n = code == SHEAR_OK ? *n : 0;

@@ -48,12 +48,11 @@ static int reply_later(service *s, post_commit_run *run, int64_t job, const job_
 }
 
 static void reply_with(service *s, const job_reply *later, const store_job *job) {
-    sheard_msg_job message;
+    CLEANUP(job_message_deinit) sheard_msg_job message = {0};
     job_to_message(s, job, &message);
     const sheard_reply submitted = {.submit = {.job = message, .known = later->known}};
     const sheard_reply changed = {.cancel = message};
     server_reply(s->server, later->to, later->submit ? &submitted : &changed);
-    job_message_deinit(&message);
 }
 
 /* Reply with the job as it is now, and notify others. */
