@@ -23,25 +23,23 @@ static void look(root_list *list, size_t i) {
 }
 
 static void list_deinit(root_list *list) {
-    for (size_t i = 0; i < list->n; i++)
-        free((char *)list->roots[i].path);
+    sheard_list_deinit(&list->paths);
     free(list->roots);
     free(list->reasons);
     *list = (root_list){0};
 }
 
-/* Allocate memory for n roots; list->n counts those that have been added. */
-static bool list_init(root_list *list, size_t n) {
-    *list = (root_list){.roots = calloc(n + 1, sizeof *list->roots),
-                        .reasons = calloc(n + 1, sizeof *list->reasons)};
-    return list->roots != NULL && list->reasons != NULL;
-}
-
-static bool list_add(root_list *list, const char *path) {
-    char *copy = strdup(path);
-    if (copy != NULL)
-        list->roots[list->n++].path = copy;
-    return copy != NULL;
+/* Make a list of roots that have not been checked. False: out of memory; deinit it also then. */
+static bool list_init(root_list *list, const sheard_list *paths) {
+    *list = (root_list){.roots = calloc(paths->n + 1, sizeof *list->roots),
+                        .reasons = calloc(paths->n + 1, sizeof *list->reasons)};
+    bool good = list->roots != NULL && list->reasons != NULL;
+    for (size_t i = 0; good && i < paths->n; i++) {
+        good = sheard_list_append(&list->paths, paths->items[i], NULL) == SHEAR_OK;
+        if (good)
+            list->roots[list->n++].path = list->paths.items[i];
+    }
+    return good;
 }
 
 static void warn(const sheard_msg_root *r) {
@@ -58,11 +56,8 @@ void data_roots_deinit(data_roots *d) {
 }
 
 int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err) {
-    root_list list = {0};
-    bool good = list_init(&list, paths->n);
-    for (size_t i = 0; good && i < paths->n; i++)
-        good = list_add(&list, paths->items[i]);
-    if (!good) {
+    root_list list;
+    if (!list_init(&list, paths)) {
         list_deinit(&list);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
     }
@@ -124,11 +119,10 @@ void data_roots_tick(data_roots *d) {
     d->ticks++;
     if (d->ticks % EVERY_S != 0 || d->looking.n > 0 || d->known.n == 0 || d->life->closing)
         return;
-    bool good = list_init(&d->looking, d->known.n);
-    for (size_t i = 0; good && i < d->known.n; i++)
-        good = list_add(&d->looking, d->known.roots[i].path);
     d->stale = false;
     d->work.data = d;
-    if (!good || uv_queue_work(d->loop, &d->work, look_at_all, looked) != 0)
+    if (!list_init(&d->looking, &d->known.paths) ||
+        uv_queue_work(d->loop, &d->work, look_at_all, looked) != 0) {
         list_deinit(&d->looking);
+    }
 }

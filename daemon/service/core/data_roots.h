@@ -12,7 +12,8 @@
 
 /* Roots and the results of their last check. */
 typedef struct root_list {
-    sheard_msg_root *roots; /* [n], owned, like their paths */
+    sheard_list paths;
+    sheard_msg_root *roots; /* [n], owned */
     char (*reasons)[160];   /* [n], owned: texts of those that are missing */
     size_t n;
 } root_list;
