@@ -3,7 +3,8 @@
 
 #include "base/cleanup.h"
 
-static int look_up(permissions *p, const sheard_config *c, shear_error *err) {
+int permissions_init(permissions *p, const sheard_config *c, shear_error *err) {
+    *p = (permissions){.anyone_submits = c->access.submit_groups.n == 0};
     TRY(access_list_new(&p->admins, c->access.admin_users.items, c->access.admin_users.n,
                         c->access.admin_groups.items, c->access.admin_groups.n, err));
     TRY(access_list_new(&p->submitters, NULL, 0, c->access.submit_groups.items,
@@ -11,14 +12,6 @@ static int look_up(permissions *p, const sheard_config *c, shear_error *err) {
     TRY(access_list_new(&p->priority, c->access.priority_users.items, c->access.priority_users.n,
                         c->access.priority_groups.items, c->access.priority_groups.n, err));
     return access_roots_new(&p->roots, c->access.data_roots.items, c->access.data_roots.n, err);
-}
-
-int permissions_init(permissions *p, const sheard_config *c, shear_error *err) {
-    *p = (permissions){.anyone_submits = c->access.submit_groups.n == 0};
-    const int code = look_up(p, c, err);
-    if (code != SHEAR_OK)
-        permissions_deinit(p);
-    return code;
 }
 
 void permissions_deinit(permissions *p) {

@@ -13,7 +13,8 @@ typedef struct permissions {
     access_roots *roots;   /* directories beneath which files may be submitted */
 } permissions;
 
-/* Look up the users, groups and data roots of the configuration. On error *p is empty. */
+/* Look up the users, groups and data roots of the configuration. Deinit *p in either
+ * case. */
 int permissions_init(permissions *p, const sheard_config *config, shear_error *err);
 void permissions_deinit(permissions *p);
 bool permissions_is_admin(const permissions *p, const access_peer *peer);
