@@ -13,6 +13,7 @@
 #pragma once
 
 #include "shear/error.h"
+#include "sheard/config.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -60,8 +61,8 @@ typedef struct access_list access_list;
 /* Look up all names in the user database, once. A name may be a number. A name that the database
  * does not have (of a user who has left) matches nobody; access_list_unknown reports it. Return
  * SHEAR_OK, SHEAR_E_NOMEM, or SHEAR_E_IO if the database cannot be used. *list is NULL on error. */
-int access_list_new(access_list **list, char *const *users, size_t n_users, char *const *groups,
-                    size_t n_groups, shear_error *err);
+int access_list_new(access_list **list, const sheard_list *users, const sheard_list *groups,
+                    shear_error *err);
 void access_list_free(access_list *list); /* NULL is accepted */
 /* Return the warning about the i-th unknown name, or NULL after the last. */
 const char *access_list_unknown(const access_list *list, size_t i);

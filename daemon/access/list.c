@@ -17,8 +17,7 @@ typedef struct id_set {
 
 struct access_list {
     id_set users, groups;
-    char **unknown; /* [n_unknown] warnings about unknown names */
-    size_t n_unknown;
+    sheard_list unknown; /* warnings about unknown names */
 };
 
 CLEANUP_DEFINE(access_list, access_list_free)
@@ -47,39 +46,35 @@ static int add(access_list *list, bool is_user, const char *name, shear_error *e
         return shear_fail(err, SHEAR_E_IO, NULL, "%s '%s' cannot be looked up: %s", kind, name,
                           strerror(error));
     }
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     if (asprintf(&text, "[access]: there is no %s '%s': nobody has its rights", kind, name) < 0)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of users");
-    list->unknown[list->n_unknown++] = text;
-    return SHEAR_OK;
+    return sheard_list_append(&list->unknown, text, err);
 }
 
 static bool allocate(access_list *list, size_t n_users, size_t n_groups) {
     list->users.ids = calloc(n_users + 1, sizeof(unsigned));
     list->groups.ids = calloc(n_groups + 1, sizeof(unsigned));
-    list->unknown = calloc(n_users + n_groups + 1, sizeof *list->unknown);
-    return list->users.ids != NULL && list->groups.ids != NULL && list->unknown != NULL;
+    return list->users.ids != NULL && list->groups.ids != NULL;
 }
 
-int access_list_new(access_list **out, char *const *users, size_t n_users, char *const *groups,
-                    size_t n_groups, shear_error *err) {
+int access_list_new(access_list **out, const sheard_list *users, const sheard_list *groups,
+                    shear_error *err) {
     *out = NULL;
     CLEANUP(access_list_release) access_list *list = calloc(1, sizeof *list);
-    if (list == NULL || !allocate(list, n_users, n_groups))
+    if (list == NULL || !allocate(list, users->n, groups->n))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of users");
-    for (size_t i = 0; i < n_users; i++)
-        TRY(add(list, true, users[i], err));
-    for (size_t i = 0; i < n_groups; i++)
-        TRY(add(list, false, groups[i], err));
+    for (size_t i = 0; i < users->n; i++)
+        TRY(add(list, true, users->items[i], err));
+    for (size_t i = 0; i < groups->n; i++)
+        TRY(add(list, false, groups->items[i], err));
     *out = CLEANUP_TAKE(list);
     return SHEAR_OK;
 }
 
 void access_list_free(access_list *list) {
     if (list != NULL) {
-        for (size_t i = 0; i < list->n_unknown; i++)
-            free(list->unknown[i]);
-        free(list->unknown);
+        sheard_list_deinit(&list->unknown);
         free(list->users.ids);
         free(list->groups.ids);
     }
@@ -87,7 +82,7 @@ void access_list_free(access_list *list) {
 }
 
 const char *access_list_unknown(const access_list *list, size_t i) {
-    return i < list->n_unknown ? list->unknown[i] : NULL;
+    return i < list->unknown.n ? list->unknown.items[i] : NULL;
 }
 
 bool access_list_has(const access_list *list, const access_peer *peer) {

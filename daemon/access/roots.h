@@ -3,7 +3,6 @@
 #pragma once
 
 #include "access/access.h"
-#include "sheard/config.h"
 
 struct access_roots {
     sheard_list names;

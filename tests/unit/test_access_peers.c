@@ -75,29 +75,31 @@ static void lists_of_users_and_groups(void **state) {
     char root_name[] = "root";
     char number[] = "54324"; /* Bob */
     char team[] = "54323";
-    char *users[] = {root_name, number};
-    char *groups[] = {team};
+    const sheard_list users = {2, (char *[]){root_name, number}};
+    const sheard_list groups = {1, (char *[]){team}};
+    const sheard_list nobody = {0};
     gid_t in_team[] = {7, TEAM};
     const access_peer bob = {BOB, STAFF, NULL, 0};
     const access_peer member = {ALICE, STAFF, in_team, 2};
     const access_peer primary = {ALICE, TEAM, NULL, 0};
     access_list *list = NULL;
     shear_error err = {0};
-    assert_int_equal(access_list_new(&list, users, 2, groups, 1, &err), SHEAR_OK);
+    assert_int_equal(access_list_new(&list, &users, &groups, &err), SHEAR_OK);
     assert_true(access_list_has(list, &root_peer));
     assert_true(access_list_has(list, &bob));
     assert_true(access_list_has(list, &member));
     assert_true(access_list_has(list, &primary));
     assert_false(access_list_has(list, &alice));
     access_list_free(list);
-    assert_int_equal(access_list_new(&list, NULL, 0, NULL, 0, &err), SHEAR_OK);
+    assert_int_equal(access_list_new(&list, &nobody, &nobody, &err), SHEAR_OK);
     assert_false(access_list_has(list, &root_peer));
     access_list_free(list);
     char unknown[] = "no-such-name-here";
     char too_large[] = "4294967295";
     char *bad[][1] = {{unknown}, {too_large}};
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(access_list_new(&list, bad[i], 1, bad[i], 1, &err), SHEAR_OK);
+        const sheard_list one = {1, bad[i]};
+        assert_int_equal(access_list_new(&list, &one, &one, &err), SHEAR_OK);
         assert_false(access_list_has(list, &alice) || access_list_has(list, &root_peer));
         assert_non_null(strstr(access_list_unknown(list, 0), "no user"));
         assert_non_null(strstr(access_list_unknown(list, 0), bad[i][0]));

@@ -4,13 +4,11 @@
 #include "base/cleanup.h"
 
 int permissions_init(permissions *p, const sheard_config *c, shear_error *err) {
+    static const sheard_list nobody = {0};
     *p = (permissions){.anyone_submits = c->access.submit_groups.n == 0};
-    TRY(access_list_new(&p->admins, c->access.admin_users.items, c->access.admin_users.n,
-                        c->access.admin_groups.items, c->access.admin_groups.n, err));
-    TRY(access_list_new(&p->submitters, NULL, 0, c->access.submit_groups.items,
-                        c->access.submit_groups.n, err));
-    TRY(access_list_new(&p->priority, c->access.priority_users.items, c->access.priority_users.n,
-                        c->access.priority_groups.items, c->access.priority_groups.n, err));
+    TRY(access_list_new(&p->admins, &c->access.admin_users, &c->access.admin_groups, err));
+    TRY(access_list_new(&p->submitters, &nobody, &c->access.submit_groups, err));
+    TRY(access_list_new(&p->priority, &c->access.priority_users, &c->access.priority_groups, err));
     return access_roots_new(&p->roots, c->access.data_roots.items, c->access.data_roots.n, err);
 }
 
