@@ -2,12 +2,12 @@
 #include "fft/fft.h"
 
 #include "base/simd.h"
+#include "base/thread.h"
 #include "fft/pass.h"
 
 #include <assert.h>
 #include <fftw3.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -83,14 +83,12 @@ static bool make_twiddles(fft_plan *plan) {
  * ones take several times as long. */
 static bool make_other(fft_plan *plan) {
     const size_t points = (size_t)plan->n * FFT_LANES;
-    fftw_complex *in = allocate(2 * points * sizeof *in);
+    CLEANUP(release_free) fftw_complex *in = allocate(2 * points * sizeof *in);
     if (in == NULL)
         return false;
-    pthread_mutex_lock(&planner);
+    LOCKED(&planner);
     plan->other = fftw_plan_many_dft(1, &plan->n, FFT_LANES, in, NULL, FFT_LANES, 1, in + points,
                                      NULL, FFT_LANES, 1, FFTW_FORWARD, FFTW_ESTIMATE);
-    pthread_mutex_unlock(&planner);
-    free(in);
     return plan->other != NULL;
 }
 
@@ -117,9 +115,8 @@ void fft_plan_free(fft_plan *plan) {
     if (plan == NULL)
         return;
     if (plan->other != NULL) {
-        pthread_mutex_lock(&planner);
+        LOCKED(&planner);
         fftw_destroy_plan(plan->other);
-        pthread_mutex_unlock(&planner);
     }
     free(plan->twiddles);
     free(plan);

@@ -76,8 +76,8 @@ static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_
 /* Gzipped pixels must have exactly as many bytes as CFITSIO will assume. */
 static bool gzip_sound(const sf_tiles *t, int64_t bytes, int64_t pixels) {
     const int64_t size = sf_gzip_size(t->buffer, bytes, 8 * pixels);
-    if (t->tiling->lossless_float) { /* doubles are possible even if ZBITPIX is -32: CFITSIO decides
-                                        by the size */
+    if (t->tiling->quantization == SF_LOSSLESS) { /* doubles are possible even if ZBITPIX is -32:
+                                                     CFITSIO decides by the size */
         return size == 4 * pixels || size == 8 * pixels;
     }
     if (t->tiling->bitpix < 0) { /* quantized to 32-bit integers */

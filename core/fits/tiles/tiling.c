@@ -75,6 +75,11 @@ static int read_sizes(sf_tiling *t, const sf_table *table, shear_error *err) {
 
 /* ---- algorithm ---- */
 
+static const char *const algorithms[] = {"RICE_1", "RICE_ONE",    "GZIP_1", "GZIP_2",
+                                         "PLIO_1", "HCOMPRESS_1", NULL};
+static const char *const quantizations[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1",
+                                            "SUBTRACTIVE_DITHER_2", "NONE", NULL};
+
 /* Find a keyword's value in `words`, a list ended by NULL; -1 if the keyword is absent. */
 static int read_word(const sf_table *table, const char *key, const char *const *words, int *out,
                      shear_error *err) {
@@ -98,15 +103,11 @@ static int read_word(const sf_table *table, const char *key, const char *const *
 }
 
 static int read_algorithm(sf_tiling *t, const sf_table *table, shear_error *err) {
-    static const char *const names[] = {"RICE_1", "RICE_ONE",    "GZIP_1", "GZIP_2",
-                                        "PLIO_1", "HCOMPRESS_1", NULL};
-    static const enum sf_algorithm algorithms[] = {SF_RICE,   SF_RICE, SF_GZIP_1,
-                                                   SF_GZIP_2, SF_PLIO, SF_HCOMPRESS};
     int chosen = -1;
-    TRY(read_word(table, "ZCMPTYPE", names, &chosen, err));
+    TRY(read_word(table, "ZCMPTYPE", algorithms, &chosen, err));
     if (chosen < 0)
         return bad(table, "ZCMPTYPE is missing", err);
-    t->algorithm = algorithms[chosen];
+    t->algorithm = chosen == SF_RICE_ONE ? SF_RICE : (enum sf_algorithm)chosen;
     TRY(sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err));
     return sf_bitpix_is_sound(t->bitpix) && t->bitpix != 64
                ? SHEAR_OK
@@ -203,25 +204,22 @@ static int read_heap(sf_tiling *t, const sf_table *table, shear_error *err) {
 /* Floating-point pixels are gzipped as they are, or quantized with a scale and a zero per tile. If
  * both are missing, CFITSIO takes integers for floating-point numbers and reads past their end. */
 static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *err) {
-    static const char *const words[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1", "SUBTRACTIVE_DITHER_2",
-                                        "NONE", NULL};
     int word = -1;
-    TRY(read_word(table, "ZQUANTIZ", words, &word, err));
+    TRY(read_word(table, "ZQUANTIZ", quantizations, &word, err));
     t->seed = 1;
     TRY(sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, err));
     const bool gzip = t->algorithm == SF_GZIP_1 || t->algorithm == SF_GZIP_2;
     const bool scaled = t->column[SF_ZSCALE] != NULL && t->column[SF_ZZERO] != NULL;
-    if (word == 3 && (t->bitpix > 0 || !gzip))
+    if (word == SF_LOSSLESS && (t->bitpix > 0 || !gzip))
         return bad(table, "ZQUANTIZ 'NONE' needs floating pixels and GZIP", err);
     if ((t->column[SF_ZSCALE] != NULL) != (t->column[SF_ZZERO] != NULL))
         return bad(table, "there is only one of the columns ZSCALE and ZZERO", err);
-    t->lossless_float = t->bitpix < 0 && (word == 3 || (gzip && !scaled));
-    if (t->bitpix < 0 && !t->lossless_float && !scaled)
-        return bad(table, "floating pixels need GZIP, or the columns ZSCALE and ZZERO", err);
-    t->dither = t->bitpix > 0 || t->lossless_float || word <= 0 ? SF_UNDITHERED
-                : word == 1                                     ? SF_DITHER_1
-                                                                : SF_DITHER_2;
-    return SHEAR_OK;
+    t->quantization = word < 0 ? SF_UNDITHERED : (enum sf_quantization)word;
+    if (t->bitpix < 0 && gzip && !scaled)
+        t->quantization = SF_LOSSLESS;
+    return t->bitpix > 0 || scaled || t->quantization == SF_LOSSLESS
+               ? SHEAR_OK
+               : bad(table, "floating pixels need GZIP, or the columns ZSCALE and ZZERO", err);
 }
 
 /* Read the null value, and ZSCALE and ZZERO as keywords, for pixels without such columns. */
@@ -295,8 +293,7 @@ static void show_column(const sf_tiling *t, const sf_column *c, int i, sf_view *
 }
 
 static void show_algorithm(const sf_tiling *t, sf_view *v) {
-    static const char *const names[] = {"RICE_1", "GZIP_1", "GZIP_2", "PLIO_1", "HCOMPRESS_1"};
-    sf_view_string(v, "ZCMPTYPE", names[t->algorithm]);
+    sf_view_string(v, "ZCMPTYPE", algorithms[t->algorithm]);
     if (t->algorithm == SF_RICE) {
         sf_view_int(v, "ZVAL1", t->block);
         sf_view_int(v, "ZVAL2", t->width);
@@ -308,10 +305,8 @@ static void show_algorithm(const sf_tiling *t, sf_view *v) {
 }
 
 static void show_numbers(const sf_tiling *t, double bscale, double bzero, sf_view *v) {
-    static const char *const dithers[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1",
-                                          "SUBTRACTIVE_DITHER_2"};
     if (t->bitpix < 0) {
-        sf_view_string(v, "ZQUANTIZ", t->lossless_float ? "NONE" : dithers[t->dither]);
+        sf_view_string(v, "ZQUANTIZ", quantizations[t->quantization]);
         sf_view_int(v, "ZDITHER0", t->seed);
     }
     if (t->blank != SF_ABSENT)

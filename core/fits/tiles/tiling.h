@@ -5,8 +5,9 @@
 #include "fits/header/table.h"
 #include "fits/tiles/view.h"
 
-enum sf_algorithm { SF_RICE, SF_GZIP_1, SF_GZIP_2, SF_PLIO, SF_HCOMPRESS };
-enum sf_dither { SF_UNDITHERED, SF_DITHER_1, SF_DITHER_2 };
+/* The words of ZCMPTYPE and of ZQUANTIZ, in the order of their tables in tiling.c. */
+enum sf_algorithm { SF_RICE, SF_RICE_ONE, SF_GZIP_1, SF_GZIP_2, SF_PLIO, SF_HCOMPRESS };
+enum sf_quantization { SF_UNDITHERED, SF_DITHER_1, SF_DITHER_2, SF_LOSSLESS };
 
 /* Columns of the table: the tiles' data, and the numbers of each tile. */
 enum sf_tile_column { SF_DATA, SF_GZIP_DATA, SF_RAW_DATA, SF_ZSCALE, SF_ZZERO, SF_ZBLANK };
@@ -14,12 +15,11 @@ enum { SF_TILE_COLUMNS = 6 };
 extern const char *const sf_tile_columns[SF_TILE_COLUMNS]; /* their names */
 
 typedef struct sf_tiling {
-    enum sf_algorithm algorithm;
+    enum sf_algorithm algorithm; /* SF_RICE for its other name, too */
     int64_t bitpix, naxis;
     int64_t axes[SF_AXES], tile[SF_AXES]; /* sides of the image; of a whole tile; 1 beyond naxis */
     int64_t grid[SF_AXES];                /* tiles along each axis */
-    bool lossless_float;                  /* floating-point pixels gzipped without quantization */
-    enum sf_dither dither;                /* of quantized floating-point pixels */
+    enum sf_quantization quantization;    /* of floating-point pixels; lossless: gzipped as such */
     int64_t seed;                         /* ZDITHER0 */
     int64_t block, width;                 /* Rice: pixels per block; bytes per pixel */
     bool smooth;                          /* H-compress: smoothing */
