@@ -171,11 +171,10 @@ void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame) {
     choose_ticks(f, &axes->spec.y, axes->frame.h, 34.0, false, &axes->y_ticks);
 }
 
-/* Return the largest centred frame within r in which x and y have the same scale. */
-static shear_rect equal_units(shear_rect r, shear_range x, shear_range y) {
-    const double scale = fmin(r.w / (x.hi - x.lo), r.h / (y.hi - y.lo));
-    const double w = scale * (x.hi - x.lo);
-    const double h = scale * (y.hi - y.lo);
+shear_rect axes_fit(shear_rect r, double wide, double high) {
+    const double scale = fmin(r.w / wide, r.h / high);
+    const double w = scale * wide;
+    const double h = scale * high;
     return (shear_rect){r.x + (r.w - w) / 2.0, r.y + (r.h - h) / 2.0, w, h};
 }
 
@@ -196,8 +195,10 @@ void shear_axes_begin(shear_figure *figure, const shear_axes *axes) {
                                                (y.label != NULL ? LABEL_ROOM : 0.0);
     shear_rect frame = {axes->cell.x + left, axes->cell.y + top, axes->cell.w - left - 12.0,
                         height};
-    if (axes->equal)
-        frame = equal_units(frame, usable_range(x), y.range);
+    if (axes->equal) {
+        const shear_range across = usable_range(x);
+        frame = axes_fit(frame, across.hi - across.lo, y.range.hi - y.range.lo);
+    }
     axes_open(figure, axes, frame);
 }
 

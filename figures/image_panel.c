@@ -129,17 +129,13 @@ static shear_rect frame_of(const shear_image *image) {
         left = TICK_LABEL_WIDTH + (image->y_label != NULL ? LABEL_ROOM : 0.0);
         bottom = TICK_ROOM + (image->x_label != NULL ? LABEL_ROOM : 0.0);
     }
-    const double w = fmax(image->cell.w - left - right, 1.0);
-    const double h = fmax(image->cell.h - top - bottom, 1.0);
+    const shear_rect r = {image->cell.x + left, image->cell.y + top,
+                          fmax(image->cell.w - left - right, 1.0),
+                          fmax(image->cell.h - top - bottom, 1.0)};
     const shear_range x = outer_edges(image->x, image->nx);
     const shear_range y = outer_edges(image->y, image->ny);
-    const double wide = image->equal ? fabs(x.hi - x.lo) : image->nx;
-    const double high = image->equal ? fabs(y.hi - y.lo) : image->ny;
-    const double scale = fmin(w / wide, h / high);
-    const double fw = scale * wide;
-    const double fh = scale * high;
-    return (shear_rect){image->cell.x + left + (w - fw) / 2.0, image->cell.y + top + (h - fh) / 2.0,
-                        fw, fh};
+    return image->equal ? axes_fit(r, fabs(x.hi - x.lo), fabs(y.hi - y.lo))
+                        : axes_fit(r, image->nx, image->ny);
 }
 
 void shear_image_begin(shear_figure *figure, const shear_image *image) {

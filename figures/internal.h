@@ -50,8 +50,6 @@ bool figure_good(shear_figure *f);
 void figure_failed(shear_figure *f, int code, const char *message);
 void figure_set_colour(shear_figure *f, shear_colour colour);
 
-/* label.c: return the height of the middle of capital letters above the baseline. */
-double label_half_height(double size);
 /* label.c: return the number of bytes of `text`, at most `most`, that are complete UTF-8
  * characters. */
 size_t label_cut(const char *text, size_t most);
@@ -80,6 +78,8 @@ void legend_draw(shear_figure *f);
 bool marks_begin(shear_figure *f);
 void marks_end(shear_figure *f, enum swatch swatch, const shear_style *style);
 
+/* axes.c: return the largest centred part of r with the proportions `wide` to `high`. */
+shear_rect axes_fit(shear_rect r, double wide, double high);
 /* axes.c: make `spec` the open axes with the given frame. */
 void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame);
 /* Draw ticks along y at x = edge, to the right, for colour bars. */

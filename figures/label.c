@@ -116,10 +116,6 @@ static double set_text(shear_figure *f, double x, double baseline, const char *t
     return width;
 }
 
-double label_half_height(double size) {
-    return CAPITAL * size / 2.0;
-}
-
 double shear_figure_text_width(shear_figure *figure, const char *text, double size) {
     return figure_good(figure) ? set_text(figure, 0.0, 0.0, text, size, false, false) : 0.0;
 }
@@ -135,7 +131,7 @@ void shear_figure_text(shear_figure *figure, double x, double y, const char *tex
     cairo_translate(figure->cr, x, y);
     if (style->upward)
         cairo_rotate(figure->cr, -1.5707963267948966);
-    set_text(figure, -style->align * width, label_half_height(size), text, size, style->bold, true);
+    set_text(figure, -style->align * width, CAPITAL * size / 2.0, text, size, style->bold, true);
     cairo_restore(figure->cr);
 }
 

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+static const int DIGITS[3] = {1, 2, 5}; /* of a tick's distance, times a power of ten */
+
 /* Rounding must not drop a tick at an end of the axis. */
 static const double SLACK = 1e-9;
 static const char MINUS[] = "\xe2\x88\x92"; /* U+2212, as wide as a digit */
@@ -37,11 +39,10 @@ static double count_multiples(step *s, double lo, double hi) {
 
 /* Return the smallest step of 1, 2, 5 times 10^k that gives at most at_most ticks. */
 static step choose_step(double lo, double hi, int at_most) {
-    static const int digits[3] = {1, 2, 5};
     const int start = (int)floor(log10((hi - lo) / at_most)) - 1; /* certainly too small */
     step s = {0};
     for (int i = 0; i < 12; i++) {
-        s = (step){.digit = digits[i % 3], .exponent = start + i / 3};
+        s = (step){.digit = DIGITS[i % 3], .exponent = start + i / 3};
         if (count_multiples(&s, lo, hi) <= at_most)
             break;
     }
@@ -90,14 +91,13 @@ void shear_ticks_linear(shear_ticks *t, double lo, double hi, int at_most) {
  * t contains the first at_most. */
 static int log_candidates(shear_ticks *t, double lo, double hi, int at_most, int stride,
                           int n_digits) {
-    static const int digits[3] = {1, 2, 5};
     const int first = (int)floor(log10(lo));
     const int last = (int)ceil(log10(hi));
     int n = 0;
     *t = (shear_ticks){0};
     for (int e = first; e <= last; e++) {
         for (int d = 0; d < n_digits && e % stride == 0; d++) {
-            const double at = digits[d] * power_of_ten(e);
+            const double at = DIGITS[d] * power_of_ten(e);
             if (at < lo * (1.0 - SLACK) || at > hi * (1.0 + SLACK))
                 continue;
             if (n < at_most) {
@@ -105,7 +105,7 @@ static int log_candidates(shear_ticks *t, double lo, double hi, int at_most, int
                 if (n_digits > 1 && e >= -3 && e <= 4) {
                     write_number(t->label[n], at, e < 0 ? -e : 0);
                 } else {
-                    write_power(t->label[n], digits[d], e);
+                    write_power(t->label[n], DIGITS[d], e);
                 }
                 t->n = n + 1;
             }
