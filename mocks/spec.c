@@ -13,7 +13,6 @@
 /* Keeps the numbers of points and photons within 32 bits. */
 static const double max_sources = 1e8;
 static const double max_photons = 4e9;
-enum { MAX_PSF_SIDE = 4096 };
 
 void shear_mock_spec_init(shear_mock_spec *s) {
     *s = (shear_mock_spec){.n_stamps = 2000,
@@ -122,11 +121,11 @@ static int check_psf(const shear_mock_spec *s, shear_error *err) {
         return shear_fail(err, SHEAR_E_SETTING, "choose one of the two",
                           "mock option 'psf-ids' contradicts psf-per-stamp");
     }
-    if (s->psf_size == 0 && auto_psf_side(s) > MAX_PSF_SIDE) {
+    if (s->psf_size == 0 && auto_psf_side(s) > SHEAR_MAX_PSF_SIDE) {
         return shear_fail(
             err, SHEAR_E_SETTING, "lower oversamp, or choose psf-size",
             "mock option 'psf-size': auto would be %.0f samples per side, more than %d",
-            auto_psf_side(s), MAX_PSF_SIDE);
+            auto_psf_side(s), SHEAR_MAX_PSF_SIDE);
     }
     return SHEAR_OK;
 }

@@ -13,22 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Limits as for a field file (docs/field-files.md). */
-enum { MIN_PSF_SIDE = 3, MAX_PSF_SIDE = 4096, MAX_PSF_OVERSAMPLE = 64 };
-
-/* One thread's stamps: views of the caller's arrays, or of the copies in `copies`. */
-typedef struct array_slot {
-    shear_block view;
-    shear_block *copies; /* NULL if all arrays are doubles without gaps */
-} array_slot;
-
 /* The arrays as a source of stamps. */
 typedef struct array_source {
     const shear_arrays *in;
     shear_field_info info;
     images galaxy, noise, psf;
-    array_slot *slots; /* [n_slots] */
-    int n_slots;
+    shear_block **blocks; /* [threads]; their stamps are the caller's arrays, or copies of them */
+    int threads;
 } array_source;
 
 /* ---- the field ---- */
@@ -36,8 +27,8 @@ typedef struct array_source {
 static int check_geometry(const shear_geometry *g, shear_error *err) {
     const bool stamps = g->nx >= SHEAR_MIN_SIDE && g->nx <= SHEAR_MAX_SIDE &&
                         g->ny >= SHEAR_MIN_SIDE && g->ny <= SHEAR_MAX_SIDE;
-    const bool psf = g->psf_nx >= MIN_PSF_SIDE && g->psf_nx <= MAX_PSF_SIDE &&
-                     g->psf_ny >= MIN_PSF_SIDE && g->psf_ny <= MAX_PSF_SIDE;
+    const bool psf = g->psf_nx >= SHEAR_MIN_PSF_SIDE && g->psf_nx <= SHEAR_MAX_PSF_SIDE &&
+                     g->psf_ny >= SHEAR_MIN_PSF_SIDE && g->psf_ny <= SHEAR_MAX_PSF_SIDE;
     if (!stamps) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "stamps of %d x %d px: each side must be %d to %d px", g->nx, g->ny,
@@ -46,13 +37,13 @@ static int check_geometry(const shear_geometry *g, shear_error *err) {
     if (!psf) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "PSF images of %d x %d samples: each side must have %d to %d", g->psf_nx,
-                          g->psf_ny, MIN_PSF_SIDE, MAX_PSF_SIDE);
+                          g->psf_ny, SHEAR_MIN_PSF_SIDE, SHEAR_MAX_PSF_SIDE);
     }
-    if (g->psf_oversample < 1 || g->psf_oversample > MAX_PSF_OVERSAMPLE) {
+    if (g->psf_oversample < 1 || g->psf_oversample > SHEAR_MAX_PSF_OVERSAMPLE) {
         return shear_fail(err, SHEAR_E_FORMAT,
                           "give geometry.psf_oversample; 1 is one sample per pixel",
                           "%d PSF samples per pixel: there must be 1 to %d", g->psf_oversample,
-                          MAX_PSF_OVERSAMPLE);
+                          SHEAR_MAX_PSF_OVERSAMPLE);
     }
     return SHEAR_OK;
 }
@@ -110,13 +101,22 @@ static bool all_plain(const array_source *s) {
            (s->info.psf_layout == SHEAR_PSF_ONE || images_are_plain(&s->psf));
 }
 
-static int init_slots(array_source *s, int threads, int capacity, shear_error *err) {
-    s->slots = calloc((size_t)threads, sizeof *s->slots);
-    if (s->slots == NULL)
+/* Make a block, with memory for copies only if they are needed. */
+static int new_block(shear_block **block, const array_source *s, int capacity, shear_error *err) {
+    if (!all_plain(s))
+        return shear_block_new(block, &s->info, capacity, err);
+    *block = calloc(1, sizeof **block);
+    return *block != NULL ? SHEAR_OK
+                          : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a block");
+}
+
+static int init_blocks(array_source *s, int threads, int capacity, shear_error *err) {
+    s->blocks = calloc((size_t)threads, sizeof(shear_block *));
+    if (s->blocks == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d threads", threads);
-    s->n_slots = threads;
-    for (int i = 0; i < threads && !all_plain(s); i++)
-        TRY(shear_block_new(&s->slots[i].copies, &s->info, capacity, err));
+    s->threads = threads;
+    for (int i = 0; i < threads; i++)
+        TRY(new_block(&s->blocks[i], s, capacity, err));
     return SHEAR_OK;
 }
 
@@ -128,42 +128,41 @@ static int array_source_init(array_source *s, const shear_arrays *in, shear_erro
 }
 
 static void array_source_deinit(array_source *s) {
-    for (int i = 0; i < s->n_slots; i++)
-        shear_block_free(s->slots[i].copies);
-    free(s->slots);
+    for (int i = 0; i < s->threads; i++)
+        shear_block_free(s->blocks[i]);
+    free(s->blocks);
 }
 
 /* Convert the PSFs of stamps [first, first+count). Consecutive stamps mostly have the same one. */
-static void convert_psfs(const array_source *s, int64_t first, int count, shear_block *copies,
-                         shear_stamps *stamps) {
+static void convert_psfs(const array_source *s, int64_t first, int count, shear_block *block) {
     const shear_geometry *g = &s->info.geometry;
     const size_t samples = (size_t)g->psf_nx * (size_t)g->psf_ny;
     const int32_t *index = s->in->psf_index;
     int n = 0;
-    assert(copies != NULL); /* allocated by init_slots, because the PSFs are not plain */
+    assert(block->psf != NULL); /* because the PSFs are not plain */
     for (int i = 0; i < count; i++) {
         const int64_t wanted = index != NULL ? index[first + i] : first + i;
         if (wanted < 0 || wanted >= s->info.n_psf) {
-            copies->psf_index[i] = -1;
+            block->psf_index[i] = -1;
             continue;
         }
-        if (n == 0 || copies->psf_id[n - 1] != wanted) {
-            images_copy(&s->psf, wanted, copies->psf + (size_t)n * samples);
-            copies->psf_id[n++] = wanted;
+        if (n == 0 || block->psf_id[n - 1] != wanted) {
+            images_copy(&s->psf, wanted, block->psf + (size_t)n * samples);
+            block->psf_id[n++] = wanted;
         }
-        copies->psf_index[i] = n - 1;
+        block->psf_index[i] = n - 1;
     }
-    stamps->n_psf = n;
-    stamps->psf = copies->psf;
-    stamps->psf_index = copies->psf_index;
+    block->stamps.n_psf = n;
+    block->stamps.psf = block->psf;
+    block->stamps.psf_index = block->psf_index;
 }
 
-static void set_psfs(const array_source *s, int64_t first, int count, shear_block *copies,
-                     shear_stamps *stamps) {
+static void set_psfs(const array_source *s, int64_t first, int count, shear_block *block) {
+    shear_stamps *stamps = &block->stamps;
     if (s->info.psf_layout == SHEAR_PSF_ONE)
         return;
     if (!images_are_plain(&s->psf)) {
-        convert_psfs(s, first, count, copies, stamps);
+        convert_psfs(s, first, count, block);
     } else if (s->info.psf_layout == SHEAR_PSF_PER_STAMP) {
         stamps->psf = images_get(&s->psf, first, count, NULL);
         stamps->n_psf = count;
@@ -174,26 +173,24 @@ static void set_psfs(const array_source *s, int64_t first, int count, shear_bloc
     }
 }
 
-static int read_arrays(void *self, int slot, int64_t first, int count, const shear_block **block,
+static int read_arrays(void *self, int slot, int64_t first, int count, const shear_block **out,
                        shear_error *err) {
     const array_source *s = self;
     const shear_arrays *in = s->in;
-    shear_block *copies = s->slots[slot].copies;
-    shear_block *view = &s->slots[slot].view;
+    shear_block *block = s->blocks[slot];
     (void)err;
-    view->stamps = (shear_stamps){
-        .first = first,
-        .count = count,
-        .nx = in->geometry.nx,
-        .ny = in->geometry.ny,
-        .galaxy = images_get(&s->galaxy, first, count, copies != NULL ? copies->galaxy : NULL),
-        .noise = images_get(&s->noise, first, count, copies != NULL ? copies->noise : NULL),
-        .noise_planes = s->info.noise_planes,
-        .weight = in->weight != NULL ? in->weight + first : NULL,
-        .r_gal = in->r_gal != NULL ? in->r_gal + first : NULL,
-        .mask = in->mask != NULL ? in->mask + first : NULL};
-    set_psfs(s, first, count, copies, &view->stamps);
-    *block = view;
+    block->stamps = (shear_stamps){.first = first,
+                                   .count = count,
+                                   .nx = in->geometry.nx,
+                                   .ny = in->geometry.ny,
+                                   .galaxy = images_get(&s->galaxy, first, count, block->galaxy),
+                                   .noise = images_get(&s->noise, first, count, block->noise),
+                                   .noise_planes = s->info.noise_planes,
+                                   .weight = in->weight != NULL ? in->weight + first : NULL,
+                                   .r_gal = in->r_gal != NULL ? in->r_gal + first : NULL,
+                                   .mask = in->mask != NULL ? in->mask + first : NULL};
+    set_psfs(s, first, count, block);
+    *out = block;
     return SHEAR_OK;
 }
 
@@ -247,7 +244,7 @@ int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
     TRY(array_source_init(&source, arrays, err));
     const int threads = team_threads(o->threads);
     const shear_unit_size size = shear_unit_size_for(&source.info, threads);
-    TRY(init_slots(&source, threads, size.stamps, err));
+    TRY(init_blocks(&source, threads, size.stamps, err));
     TRY(make_plan(&plan, &source, settings, size.stamps, err));
     const team_job job = {
         .work = {.info = &source.info,

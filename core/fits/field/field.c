@@ -31,12 +31,8 @@ static int read_name(shear_field *f, const sf_cards *primary, shear_error *err) 
     }
     /* A file name need not be a valid field name; shear_field_need_name() reports that, if the name
      * is needed. */
-    char base[sizeof galaxy->source.base];
-    sf_field_name_default(base, sizeof base, galaxy->source.base);
-    if (sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, primary->at, "from the file's name",
-                           NULL) != SHEAR_OK) {
+    if (sf_field_name_of_file(f->info.name, galaxy->source.base, primary->at, NULL) != SHEAR_OK)
         f->info.name[0] = '\0';
-    }
     return SHEAR_OK;
 }
 
@@ -76,18 +72,18 @@ static int read_primary(shear_field *f, shear_error *err) {
 static int check_psf_sides(const shear_field *f, shear_error *err) {
     const int64_t *axes = f->psf.axes;
     for (int k = 0; k < 2; k++) {
-        if (axes[k] < SF_PSF_MIN_SIDE || axes[k] > SF_PSF_MAX_SIDE) {
+        if (axes[k] < SHEAR_MIN_PSF_SIDE || axes[k] > SHEAR_MAX_PSF_SIDE) {
             return sf_fail(err, SHEAR_E_FORMAT, f->psf.cards.at, NULL,
                            "its images are %lld x %lld samples, but a side must have %d to %d",
-                           (long long)axes[0], (long long)axes[1], SF_PSF_MIN_SIDE,
-                           SF_PSF_MAX_SIDE);
+                           (long long)axes[0], (long long)axes[1], SHEAR_MIN_PSF_SIDE,
+                           SHEAR_MAX_PSF_SIDE);
         }
     }
     return SHEAR_OK;
 }
 
 static int find_oversampling(const sf_cards *cards, int64_t *oversample, shear_error *err) {
-    return sf_key_int(cards, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, err);
+    return sf_key_int(cards, "OVERSAMP", 1, SHEAR_MAX_PSF_OVERSAMPLE, oversample, err);
 }
 
 /* Read OVERSAMP: from the PSFs' HDU, else the primary header, else 1. */
@@ -236,13 +232,10 @@ int shear_field_need_name(const shear_field_info *info, const char *path, shear_
     if (info->name[0] != '\0')
         return SHEAR_OK;
     char shown[161];
-    char base[256];
     char unused[sizeof info->name];
-    const char *slash = strrchr(path, '/');
     sf_printable_name(shown, sizeof shown, path);
-    sf_field_name_default(base, sizeof base, slash != NULL ? slash + 1 : path);
     const sf_place at = {shown, "primary"};
-    TRY(sf_field_name_copy(unused, base, SHEAR_E_FORMAT, at, "from the file's name", err));
+    TRY(sf_field_name_of_file(unused, path, at, err));
     return sf_fail(err, SHEAR_E_FORMAT, at, "give the keyword FIELD in the primary header",
                    "the field has no name");
 }

@@ -6,8 +6,6 @@
 #include "fits/field/parts.h"
 #include "fits/field/stamps.h"
 
-enum { SF_PSF_MIN_SIDE = 3, SF_PSF_MAX_SIDE = 4096, SF_MAX_OVERSAMPLE = 64 };
-
 struct shear_field {
     sf_parts parts;
     shear_field_info info;

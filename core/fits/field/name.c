@@ -34,10 +34,14 @@ static void strip(char *name, const char *ending) {
         name[strlen(name) - strlen(ending)] = '\0';
 }
 
-void sf_field_name_default(char *out, size_t size, const char *base) {
-    text_set(out, size, base);
-    strip(out, ".gz");
-    strip(out, ".fz");
-    strip(out, ".fits");
-    strip(out, ".fit");
+int sf_field_name_of_file(char out[SHEAR_FIELD_NAME_SIZE], const char *path, sf_place at,
+                          shear_error *err) {
+    const char *slash = strrchr(path, '/');
+    char base[256];
+    text_set(base, sizeof base, slash != NULL ? slash + 1 : path);
+    strip(base, ".gz");
+    strip(base, ".fz");
+    strip(base, ".fits");
+    strip(base, ".fit");
+    return sf_field_name_copy(out, base, SHEAR_E_FORMAT, at, "from the file's name", err);
 }

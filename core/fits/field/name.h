@@ -6,12 +6,11 @@
 #include "fits/io/status.h"
 #include "shear/field.h"
 
-#include <stddef.h>
-
 /* Check that `name` is 1 to 71 printable ASCII characters without a blank at either end, and copy
  * it. `whence` is its origin, for the message. Return `code` on error. */
 int sf_field_name_copy(char out[SHEAR_FIELD_NAME_SIZE], const char *name, int code, sf_place at,
                        const char *whence, shear_error *err);
 
-/* Copy a file's base name without .gz, .fz and .fits into out[size]. */
-void sf_field_name_default(char *out, size_t size, const char *base);
+/* The same for a file's base name without .gz, .fz and .fits. SHEAR_E_FORMAT. */
+int sf_field_name_of_file(char out[SHEAR_FIELD_NAME_SIZE], const char *path, sf_place at,
+                          shear_error *err);

@@ -40,10 +40,11 @@ static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err)
         {inside(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
              inside(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE),
          "a stamp's side must have 8 to 1024 pixels"},
-        {inside(g->psf_nx, SF_PSF_MIN_SIDE, SF_PSF_MAX_SIDE) &&
-             inside(g->psf_ny, SF_PSF_MIN_SIDE, SF_PSF_MAX_SIDE),
+        {inside(g->psf_nx, SHEAR_MIN_PSF_SIDE, SHEAR_MAX_PSF_SIDE) &&
+             inside(g->psf_ny, SHEAR_MIN_PSF_SIDE, SHEAR_MAX_PSF_SIDE),
          "a PSF's side must have 3 to 4096 samples"},
-        {inside(g->psf_oversample, 1, SF_MAX_OVERSAMPLE), "the PSF's oversampling must be 1 to 64"},
+        {inside(g->psf_oversample, 1, SHEAR_MAX_PSF_OVERSAMPLE),
+         "the PSF's oversampling must be 1 to 64"},
         {inside(s->n_stamps, 1, INT32_MAX), "the number of stamps must be 1 to 2147483647"},
         {inside(s->noise_planes, 0, SHEAR_MAX_NOISE_PLANES),
          "there must be 1 to 64 noise stamps per galaxy"},

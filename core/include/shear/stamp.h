@@ -16,11 +16,14 @@
 
 SHEAR_BEGIN_C
 
-/** Limits of stamps. */
+/** Limits of stamps, and of PSF images. */
 enum {
-    SHEAR_MIN_SIDE = 8,         /**< the shortest side, pixels */
-    SHEAR_MAX_SIDE = 1024,      /**< the longest side, pixels */
-    SHEAR_MAX_NOISE_PLANES = 64 /**< the most noise stamps per galaxy */
+    SHEAR_MIN_SIDE = 8,           /**< the shortest side, pixels */
+    SHEAR_MAX_SIDE = 1024,        /**< the longest side, pixels */
+    SHEAR_MAX_NOISE_PLANES = 64,  /**< the most noise stamps per galaxy */
+    SHEAR_MIN_PSF_SIDE = 3,       /**< the shortest side of a PSF image, samples */
+    SHEAR_MAX_PSF_SIDE = 4096,    /**< the longest side of a PSF image, samples */
+    SHEAR_MAX_PSF_OVERSAMPLE = 64 /**< the most PSF samples per pixel */
 };
 
 /** Why a stamp is left out of the field's sums. A row may have several flags. */
