@@ -144,18 +144,9 @@ typedef struct workspace {
     double *x, *y; /* [max_points], in one allocation */
 } workspace;
 
-/* The workspaces of all threads. */
-typedef struct workspaces {
-    int n;
-    workspace *of;
-} workspaces;
-
-static void workspaces_deinit(const workspaces *w) {
-    for (int i = 0; w->of != NULL && i < w->n; i++) {
-        painter_deinit(&w->of[i].painter);
-        free(w->of[i].x);
-    }
-    free(w->of);
+static void workspace_deinit(workspace *ws) {
+    painter_deinit(&ws->painter);
+    free(ws->x);
 }
 
 static bool workspace_init(workspace *ws, const shear_mock *m) {
@@ -166,14 +157,6 @@ static bool workspace_init(workspace *ws, const shear_mock *m) {
         return false;
     ws->y = ws->x + n;
     return painter_init(&ws->painter, s->psf, s->r_psf_px, s->nx, s->ny);
-}
-
-static bool workspaces_init(workspaces *w, const shear_mock *m) {
-    w->of = calloc((size_t)w->n, sizeof *w->of);
-    bool made = w->of != NULL;
-    for (int i = 0; made && i < w->n; i++)
-        made = workspace_init(&w->of[i], m);
-    return made;
 }
 
 static void paint_galaxy(const shear_mock *m, workspace *ws, int64_t stamp) {
@@ -238,21 +221,26 @@ int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads
                           (long long)first, (long long)m->info.n_stamps);
     }
     const int wanted = threads > 0 ? threads : omp_get_max_threads();
-    CLEANUP(workspaces_deinit) workspaces w = {.n = wanted < count ? wanted : count};
+    const int n = wanted < count ? wanted : count;
     const size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
+    bool failed = false;
     if (count == 0)
         return SHEAR_OK;
-    if (!workspaces_init(&w, m)) {
-        return shear_fail(err, SHEAR_E_NOMEM, "use fewer threads",
-                          "out of memory for mock stamps on %d threads", w.n);
+#pragma omp parallel num_threads(n) reduction(|| : failed)
+    {
+        CLEANUP(workspace_deinit) workspace ws = {0};
+        failed = !workspace_init(&ws, m);
+#pragma omp for schedule(dynamic)
+        for (int i = 0; i < count; i++) {
+            const size_t at = (size_t)i * pixels;
+            if (!failed)
+                make_pair(m, &ws, first + i, galaxy + at,
+                          noise + (size_t)m->spec.noise_stamps * at);
+        }
     }
-#pragma omp parallel for schedule(dynamic) num_threads(w.n)
-    for (int i = 0; i < count; i++) {
-        const size_t at = (size_t)i * pixels;
-        make_pair(m, &w.of[omp_get_thread_num()], first + i, galaxy + at,
-                  noise + (size_t)m->spec.noise_stamps * at);
-    }
-    return SHEAR_OK;
+    return failed ? shear_fail(err, SHEAR_E_NOMEM, "use fewer threads",
+                               "out of memory for mock stamps on %d threads", n)
+                  : SHEAR_OK;
 }
 
 int shear_mock_paint(const shear_mock *m, int64_t psf, int n, const double *x, const double *y,

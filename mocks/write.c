@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writing a mock field to a file, in chunks, with several threads. */
+#include "base/arena.h"
 #include "base/cleanup.h"
 #include "shear/version.h"
 #include "shear_mocks/mock.h"
@@ -14,15 +15,16 @@
  * enough for any machine. */
 enum { CHUNK_BYTES = 16 << 20, HISTORY_LINE = 128, MAX_HISTORY = 64 };
 
-/* One chunk of stamps and their rows of the catalog. All doubles are in one allocation. */
+/* One chunk of stamps and their rows of the catalog. */
 typedef struct chunk {
+    void *memory; /* owned; of all that follow */
     int capacity;
-    double *galaxy;        /* [capacity][ny][nx], owned */
+    double *galaxy;        /* [capacity][ny][nx] */
     double *noise;         /* [capacity][noise_stamps][ny][nx] */
     double *psf;           /* [psf_ny][psf_nx] */
     double *x, *y, *r_gal; /* [capacity], as the rest */
-    int64_t *id;           /* owned */
-    int32_t *psf_id;       /* owned */
+    int64_t *id;
+    int32_t *psf_id;
 } chunk;
 
 static int chunk_capacity(const shear_mock_info *info, int noise_stamps, int threads) {
@@ -35,32 +37,35 @@ static int chunk_capacity(const shear_mock_info *info, int noise_stamps, int thr
 }
 
 static void chunk_deinit(const chunk *c) {
-    free(c->galaxy);
-    free(c->id);
-    free(c->psf_id);
+    free(c->memory);
+}
+
+static void place(chunk *c, const shear_mock *m, arena *a) {
+    const shear_geometry *g = &shear_mock_get_info(m)->geometry;
+    const size_t n = (size_t)c->capacity;
+    const size_t pixels = n * (size_t)g->nx * (size_t)g->ny;
+    c->galaxy = arena_doubles(a, pixels);
+    c->noise = arena_doubles(a, pixels * (size_t)shear_mock_get_spec(m)->noise_stamps);
+    c->psf = arena_doubles(a, (size_t)g->psf_nx * (size_t)g->psf_ny);
+    c->x = arena_doubles(a, n);
+    c->y = arena_doubles(a, n);
+    c->r_gal = arena_doubles(a, n);
+    c->id = arena_take(a, n * sizeof *c->id);
+    c->psf_id = arena_take(a, n * sizeof *c->psf_id);
 }
 
 static int chunk_init(chunk *c, const shear_mock *m, int threads, shear_error *err) {
     const shear_mock_info *info = shear_mock_get_info(m);
     const int noise_stamps = shear_mock_get_spec(m)->noise_stamps;
+    arena a = {0};
     *c = (chunk){.capacity = chunk_capacity(info, noise_stamps, threads)};
-    const shear_geometry *g = &info->geometry;
-    size_t n = (size_t)c->capacity;
-    size_t pixels = n * (size_t)g->nx * (size_t)g->ny;
-    size_t noise = (size_t)noise_stamps * pixels;
-    size_t psf = (size_t)g->psf_nx * (size_t)g->psf_ny;
-    c->galaxy = calloc(pixels + noise + psf + 3 * n, sizeof *c->galaxy);
-    c->id = calloc(n, sizeof *c->id);
-    c->psf_id = calloc(n, sizeof *c->psf_id);
-    if (c->galaxy == NULL || c->id == NULL || c->psf_id == NULL) {
+    place(c, m, &a);
+    c->memory = arena_allocate(&a);
+    if (c->memory == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d mock stamps of %dx%d px",
-                          c->capacity, g->nx, g->ny);
+                          c->capacity, info->geometry.nx, info->geometry.ny);
     }
-    c->noise = c->galaxy + pixels;
-    c->psf = c->noise + noise;
-    c->x = c->psf + psf;
-    c->y = c->x + n;
-    c->r_gal = c->y + n;
+    place(c, m, &a);
     return SHEAR_OK;
 }
 
