@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum {
     ROUNDS = 31,
@@ -53,17 +52,9 @@ static void pick_field(database *d, char name[32]) {
     snprintf(name, 32, "field-%07" PRId64, pick(d, d->fields));
 }
 
-static int64_t submit(store *s, int64_t priority) {
+static int64_t submit(store *s, int priority) {
     int64_t id = 0;
-    bool known = false;
-    const store_spec spec = {.field = "field-0000000",
-                             .source = "/survey/night-001/new.fits",
-                             .settings = "{\"beta\":4}",
-                             .settings_digest = "0123456789abcdef0123456789abcdef",
-                             .priority = (int)priority,
-                             .owner = 1000,
-                             .created_ms = 5};
-    must(store_submit(s, &spec, INT64_MAX, &id, &known, &failure));
+    must(store_fill_submit(s, "/survey/night-001/new.fits", priority, 5, &id, &failure));
     return id;
 }
 

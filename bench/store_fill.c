@@ -5,7 +5,6 @@
 #include "shear/sums.h"
 
 #include <sqlite3.h>
-#include <stdlib.h>
 
 char *store_fill_sums(void) {
     shear_block_sums block;
@@ -26,20 +25,26 @@ char *store_fill_sums(void) {
     return text;
 }
 
+int store_fill_submit(store *s, const char *source, int priority, int64_t created_ms, int64_t *id,
+                      shear_error *err) {
+    bool known = false;
+    const store_spec spec = {.field = "field-0000000",
+                             .source = source,
+                             .settings = "{\"beta\":4}",
+                             .settings_digest = "0123456789abcdef0123456789abcdef",
+                             .priority = priority,
+                             .owner = 1000,
+                             .created_ms = created_ms};
+    return store_submit(s, &spec, INT64_MAX, id, &known, err);
+}
+
 /* Create one real job, from which the others are copied. */
 static int make_pattern(store *s, shear_error *err) {
     CLEANUP(store_job_deinit) store_job job = {0};
     store_finished end;
     int64_t id = 0;
     int64_t of = 0;
-    bool known = false;
     CLEANUP(release_free) char *sums = store_fill_sums();
-    const store_spec spec = {.field = "field-0000000",
-                             .source = "/survey/night-001/field-0000000.fits",
-                             .settings = "{\"beta\":4}",
-                             .settings_digest = "0123456789abcdef0123456789abcdef",
-                             .owner = 1000,
-                             .created_ms = 1};
     const store_input input = {NULL, "00000000000000000000000000000001", SHEAR_BLOCK};
     const store_work work = {.sums = sums,
                              .result = "{\"g1\":0.0123,\"g2\":-0.0045,\"g1_err\":0.001}",
@@ -48,7 +53,7 @@ static int make_pattern(store *s, shear_error *err) {
                              .now_ms = 2};
     if (sums == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    TRY(store_submit(s, &spec, 10, &id, &known, err));
+    TRY(store_fill_submit(s, "/survey/night-001/field-0000000.fits", 0, 1, &id, err));
     TRY(store_next(s, 1, &job, err));
     TRY(store_set_input(s, id, &input, &of, err));
     return store_finish(s, id, &work, &end, err);
@@ -119,8 +124,9 @@ static int multiply(const char *path, int64_t jobs, int64_t fields, shear_error 
 
 int store_fill(const char *path, int64_t jobs, int64_t fields, shear_error *err) {
     store *s = NULL;
-    int code = store_open(&s, path, NULL, 1, err);
-    code = code != SHEAR_OK ? code : make_pattern(s, err);
+    TRY(store_open(&s, path, NULL, 1, err));
+    const int code = make_pattern(s, err);
     store_close(s);
-    return code == SHEAR_OK ? multiply(path, jobs, fields, err) : code;
+    TRY(code);
+    return multiply(path, jobs, fields, err);
 }

@@ -12,3 +12,7 @@ int store_fill(const char *path, int64_t jobs, int64_t fields, shear_error *err)
 /* Return the exact sums of one synthetic file as text, to be freed by the caller; NULL if out of
  * memory. */
 char *store_fill_sums(void);
+
+/* Submit a job on field-0000000. */
+int store_fill_submit(store *s, const char *source, int priority, int64_t created_ms, int64_t *id,
+                      shear_error *err);

@@ -95,11 +95,7 @@ const shear_mock_option *shear_mock_option_find(const char *name) {
     return NULL;
 }
 
-static void *member(shear_mock_spec *s, const shear_mock_option *o) {
-    return (char *)s + o->offset;
-}
-
-static const void *member_const(const shear_mock_spec *s, const shear_mock_option *o) {
+static const void *member(const shear_mock_spec *s, const shear_mock_option *o) {
     return (const char *)s + o->offset;
 }
 
@@ -130,7 +126,7 @@ static bool is_whole(const shear_mock_option *o) {
 
 /* Return number i of the option. */
 static double number(const shear_mock_spec *s, const shear_mock_option *o, int i) {
-    const void *m = member_const(s, o);
+    const void *m = member(s, o);
     if (o->type == SHEAR_MOCK_T_COUNT)
         return (double)*(const int64_t *)m;
     return is_whole(o) ? ((const int *)m)[i] : ((const double *)m)[i];
@@ -141,7 +137,7 @@ static bool is_auto(const shear_mock_spec *s, const shear_mock_option *o) {
 }
 
 static int check_choice(const shear_mock_spec *s, const shear_mock_option *o, shear_error *err) {
-    int value = *(const int *)member_const(s, o);
+    int value = *(const int *)member(s, o);
     int n = 0;
     while (o->choices[n] != NULL)
         n++;
@@ -189,7 +185,7 @@ static bool parse_two(const shear_mock_option *o, const char *text, void *m) {
 
 /* Parse `text` into the member(s) of *s. Returns false if it is not of the option's type. */
 static bool parse(shear_mock_spec *s, const shear_mock_option *o, const char *text) {
-    void *m = member(s, o);
+    void *m = (char *)s + o->offset;
     bool yes = false;
     switch (o->type) {
     case SHEAR_MOCK_T_INT:
@@ -241,7 +237,7 @@ int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear
 
 char *shear_mock_format(const shear_mock_spec *s, const shear_mock_option *o, char *buf,
                         size_t size) {
-    const void *m = member_const(s, o);
+    const void *m = member(s, o);
     char first[32];
     char second[32];
     if (o->type == SHEAR_MOCK_T_SEED) {

@@ -7,7 +7,6 @@
 #include "psf.h"
 
 #include <gsl/gsl_math.h>
-#include <limits.h>
 #include <math.h>
 
 /* Keeps the numbers of points and photons within 32 bits. */
