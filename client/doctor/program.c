@@ -8,7 +8,6 @@
 #include "shear/version.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -4,7 +4,6 @@
 #include <assert.h>
 #include <gmp.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -9,7 +9,6 @@
 #include "shear/stamp.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Of p - r m: 3e-7 false alarms in 64 x 64 px of white noise. */
 static const double bright_sigma = 6.5;

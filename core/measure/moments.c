@@ -2,7 +2,6 @@
 #include "measure/moments.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <string.h>
 
 double moments_power(const mode_rows *r, int jx, int lane) {

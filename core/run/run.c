@@ -8,7 +8,6 @@
 #include "run/file_source.h"
 #include "run/team.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static int write_catalog(void *self, int64_t first, int count, const shear_row *rows,

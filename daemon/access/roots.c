@@ -7,7 +7,6 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Return the next component, beyond slashes and ".". *length is 0 at the end. */
 static const char *component(const char *path, size_t *length) {

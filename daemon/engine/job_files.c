@@ -7,7 +7,6 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static bool copy(const char **to, const char *from) {
     *to = from != NULL ? strdup(from) : NULL;

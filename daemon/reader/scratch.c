@@ -5,13 +5,11 @@
 #include "base/io.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
-#include <unistd.h>
 
 /* Bytes left free on the disk of the unpacked copies, which may also hold the service's state: a
  * gibibyte, or an eighth of a small disk. */

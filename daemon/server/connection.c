@@ -4,7 +4,6 @@
 #include "server/internal.h"
 #include "server/lifetime.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -8,7 +8,6 @@
 #include "report/run.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { SIGNS = 2, N_WAYS = 2, N_DISKS = 4, POWERS = 480, POWER_GALAXIES = 32, POWER_ANGLES = 8 };
 

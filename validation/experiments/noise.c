@@ -7,7 +7,6 @@
 #include "report/run.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const parameter parameters[] = {
     {"ratios", "0.02,0.05,0.1,0.2,0.5,1,1.5", 1e-6, 1e3, MAX_VALUES, "the values of I_N/I_G"},

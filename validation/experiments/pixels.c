@@ -7,7 +7,6 @@
 #include "report/run.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { MAX_SIZES = 3 };
 

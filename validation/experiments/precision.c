@@ -7,7 +7,6 @@
 #include "report/run.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A way to measure: the differences from the default settings, "setting=value setting=value". */

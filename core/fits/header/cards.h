@@ -7,7 +7,6 @@
 #include "fits/header/card.h"
 #include "fits/header/file.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct sf_cards {

@@ -10,7 +10,6 @@
 #include "service/rpc/listing.h"
 #include "service/rpc/methods.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- field: one row per step, or several steps per row while it looks for a culprit ---- */
