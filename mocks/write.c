@@ -164,19 +164,17 @@ static int write_stamps(shear_field_writer *w, const shear_mock *m, chunk *c,
     return SHEAR_OK;
 }
 
+CLEANUP_DEFINE(shear_field_writer, shear_field_abort)
+
 int shear_mock_write(const shear_mock *m, const char *path, const shear_mock_write_options *options,
                      shear_error *err) {
     static const shear_mock_write_options defaults = {0};
     const shear_mock_write_options *o = options != NULL ? options : &defaults;
-    shear_field_writer *w = NULL;
+    CLEANUP(shear_field_writer_release) shear_field_writer *w = NULL;
     CLEANUP(chunk_deinit) chunk c = {0};
     TRY(chunk_init(&c, m, o->threads, err));
     TRY(create(&w, m, path, o->overwrite, err));
-    int code = write_psfs(w, m, c.psf, err);
-    code = code != SHEAR_OK ? code : write_stamps(w, m, &c, o, err);
-    if (code != SHEAR_OK) {
-        shear_field_abort(w);
-        return code;
-    }
-    return shear_field_finish(w, err);
+    TRY(write_psfs(w, m, c.psf, err));
+    TRY(write_stamps(w, m, &c, o, err));
+    return shear_field_finish(CLEANUP_TAKE(w), err);
 }

@@ -40,15 +40,12 @@ char *shear_text_clean(const char *text, char *buf, size_t size) {
     while (*text != '\0') {
         uint32_t value = 0;
         const size_t n = utf8_decode(text, &value);
-        const size_t shown = n > 0 && !is_hidden(value) ? n : 0;
-        if (used + (shown > 0 ? shown : 1) >= size)
+        const bool shown = n > 0 && !is_hidden(value);
+        const size_t taken = shown ? n : 1;
+        if (used + taken >= size)
             break;
-        if (shown > 0) {
-            memcpy(buf + used, text, shown);
-        } else {
-            buf[used] = '?';
-        }
-        used += shown > 0 ? shown : 1;
+        memcpy(buf + used, shown ? text : "?", taken);
+        used += taken;
         text += n > 0 ? n : 1;
     }
     buf[used] = '\0';
