@@ -21,7 +21,7 @@ static int bad(const sf_table *t, const char *what, shear_error *err) {
                    "tile compression: %s", what);
 }
 
-const char *const sf_tile_columns[SF_TILE_COLUMNS] = {
+static const char *const tile_columns[SF_TILE_COLUMNS] = {
     "COMPRESSED_DATA", "GZIP_COMPRESSED_DATA", "UNCOMPRESSED_DATA", "ZSCALE", "ZZERO", "ZBLANK"};
 
 /* ---- sizes ---- */
@@ -173,7 +173,7 @@ static bool is_unscaled(const sf_column *c) {
 static int read_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
     const char *const elements[] = {t->algorithm == SF_PLIO ? "I" : "B", "B", "BIJED"};
     for (int i = 0; i < SF_TILE_COLUMNS; i++) {
-        TRY(sf_table_find(table, sf_tile_columns[i], &t->column[i], err));
+        TRY(sf_table_find(table, tile_columns[i], &t->column[i], err));
         const sf_column *c = t->column[i];
         if (c == NULL)
             continue;
@@ -185,7 +185,7 @@ static int read_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
             return sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
                            "tile compression: column %s has the wrong type (TFORM), or TSCAL, "
                            "TZERO or TNULL",
-                           sf_tile_columns[i]);
+                           tile_columns[i]);
         }
     }
     return t->column[SF_DATA] != NULL ? SHEAR_OK
@@ -285,7 +285,7 @@ static void show_column(const sf_tiling *t, const sf_column *c, int i, sf_view *
     snprintf(form, sizeof form, "%lldA", (long long)c->width);
     for (int k = 0; k < SF_TILE_COLUMNS; k++) {
         if (t->column[k] == c) {
-            sf_view_string(v, sf_card_indexed(key, "TTYPE", i + 1), sf_tile_columns[k]);
+            sf_view_string(v, sf_card_indexed(key, "TTYPE", i + 1), tile_columns[k]);
             snprintf(form, sizeof form, "1%c%c", c->type, k <= SF_RAW_DATA ? c->element : '\0');
         }
     }

@@ -12,7 +12,6 @@ enum sf_quantization { SF_UNDITHERED, SF_DITHER_1, SF_DITHER_2, SF_LOSSLESS };
 /* Columns of the table: the tiles' data, and the numbers of each tile. */
 enum sf_tile_column { SF_DATA, SF_GZIP_DATA, SF_RAW_DATA, SF_ZSCALE, SF_ZZERO, SF_ZBLANK };
 enum { SF_TILE_COLUMNS = 6 };
-extern const char *const sf_tile_columns[SF_TILE_COLUMNS]; /* their names */
 
 typedef struct sf_tiling {
     enum sf_algorithm algorithm; /* SF_RICE for its other name, too */
