@@ -151,7 +151,7 @@ static void test_stalled_in_a_line(void **state) {
     client stalled;
     client other;
     int64_t asked = 0;
-    f->options.limits.idle_timeout_ms = 150;
+    f->options.limits.idle_timeout_ms = 1000;
     fx_open(f);
     cl_connect(f, &stalled);
     cl_connect(f, &other);
