@@ -58,8 +58,7 @@ enum budget_answer budget_wait(job *j, int64_t bytes) {
     }
     j->waiting_since = 0;
     atomic_store(&j->stage, stage);
-    if (answer == BUDGET_RESERVED)
-        reserve(e, j, bytes);
+    reserve(e, j, answer == BUDGET_RESERVED ? bytes : 0); /* wakes those that waited behind it */
     return answer;
 }
 

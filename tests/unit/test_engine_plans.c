@@ -308,6 +308,69 @@ static void test_a_plan_is_used_once(void **state) {
     engine_free(e);
 }
 
+typedef struct waiter {
+    job job;
+    int64_t bytes;
+    enum budget_answer answer;
+    pthread_t thread;
+} waiter;
+
+static void *wait_for_memory(void *argument) {
+    waiter *w = argument;
+    w->answer = budget_wait(&w->job, w->bytes);
+    return NULL;
+}
+
+/* Add the job to the engine's list, and return when it waits for memory as one of `n`. */
+static void begin_to_wait(engine *e, waiter *w, int n) {
+    w->job = (job){.engine = e, .phase = JOB_PREPARING, .next = e->jobs};
+    pthread_mutex_lock(&e->lock);
+    e->jobs = &w->job;
+    pthread_mutex_unlock(&e->lock);
+    assert_int_equal(thread_start(&w->thread, wait_for_memory, w), 0);
+    while (engine_get_load(e).memory_waiting < n)
+        usleep(1000);
+}
+
+/* A job that stops waiting lets those behind it have what is free, at once. */
+static void test_who_stops_waiting_blocks_nobody(void **state) {
+    (void)state;
+    enum { TOTAL = 1000, HELD = 900, PATIENCE = 500, PAUSE_US = 10000 };
+    const engine_options options = {.workers = 1,
+                                    .limits = {.program = "none", .scratch = "none"},
+                                    .memory_bytes = TOTAL,
+                                    .wake = ignore};
+    engine *e = NULL;
+    assert_int_equal(engine_new(&e, &options, NULL), SHEAR_OK);
+    job holder = {.engine = e, .phase = JOB_PREPARING};
+    waiter large = {.bytes = TOTAL};
+    waiter small = {.bytes = 1};
+    assert_int_equal(budget_wait(&holder, HELD), BUDGET_RESERVED);
+    begin_to_wait(e, &large, 1);
+    begin_to_wait(e, &small, 2);
+    pthread_mutex_lock(&e->lock);
+    large.job.stop_asked = true;
+    pthread_mutex_unlock(&e->lock);
+    /* The one that waits longest is woken alone. */
+    int left = PATIENCE;
+    for (; left > 0 && engine_get_load(e).memory_waiting > 0; left--) {
+        if (engine_get_load(e).memory_waiting == 2)
+            pthread_cond_signal(&e->progressed);
+        usleep(PAUSE_US);
+    }
+    assert_true(left > 0);
+    pthread_join(large.thread, NULL);
+    pthread_join(small.thread, NULL);
+    assert_int_equal(large.answer, BUDGET_STOP);
+    assert_int_equal(small.answer, BUDGET_RESERVED);
+    budget_return(&small.job);
+    budget_return(&holder);
+    pthread_mutex_lock(&e->lock);
+    e->jobs = NULL;
+    pthread_mutex_unlock(&e->lock);
+    engine_free(e);
+}
+
 static void test_errors_are_not_kept(void **state) {
     (void)state;
     plan_cache *p = plan_cache_new(4, much);
@@ -369,6 +432,7 @@ int main(void) {
         cmocka_unit_test(test_in_use_stays),
         cmocka_unit_test(test_counted_when_told),
         cmocka_unit_test(test_a_plan_is_used_once),
+        cmocka_unit_test(test_who_stops_waiting_blocks_nobody),
         cmocka_unit_test(test_errors_are_not_kept),
         cmocka_unit_test(test_many_threads),
     };
