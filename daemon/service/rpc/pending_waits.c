@@ -47,7 +47,10 @@ static void wake_up(pending_wait *w) {
 }
 
 static void wait_deinit(listing *l) {
-    TAILQ_REMOVE(&l->s->waits->first, (pending_wait *)l, link);
+    pending_wait *w = (pending_wait *)l;
+    pending_waits *all = l->s->waits;
+    TAILQ_REMOVE(&all->first, w, link);
+    all->ids -= w->submit ? 0 : w->n_ids;
 }
 
 static int ascending(const void *a, const void *b) {
@@ -144,13 +147,13 @@ static pending_wait *wait_new(service *s, server_handle to, sheard_request *requ
 /* Check that n more jobs may be waited for. A user who waits for none may wait for any number. */
 static int check_number(const pending_waits *all, uid_t uid, size_t n, sheard_rpc_error *error) {
     size_t users = 0;
-    size_t sum = 0;
     const pending_wait *w;
+    if (all->ids + n <= USER_IDS)
+        return SHEARD_RPC_OK; /* there is no need to look at all waits, which may be very many */
     TAILQ_FOREACH(w, &all->first, link) {
-        sum += w->submit ? 0 : w->n_ids;
         users += w->submit || w->uid != uid ? 0 : w->n_ids;
     }
-    if (users == 0 || (users + n <= USER_IDS && sum + n <= ALL_IDS))
+    if (users == 0 || (users + n <= USER_IDS && all->ids + n <= ALL_IDS))
         return SHEARD_RPC_OK;
     return sheard_rpc_fail(
         error, SHEARD_RPC_TOO_MANY_REQUESTS, "wait for fewer jobs at a time",
@@ -167,6 +170,7 @@ int method_wait(service *s, const server_request *r, sheard_rpc_error *error) {
         return error->code;
     w->uid = r->peer->uid;
     w->ids = p.ids;
+    s->waits->ids += p.n_ids;
     listing_begin(&w->list);
     return SHEARD_RPC_OK;
 }

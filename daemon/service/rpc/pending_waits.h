@@ -14,6 +14,7 @@ typedef struct service service;
 
 typedef struct pending_waits {
     TAILQ_HEAD(, pending_wait) first; /* in the order of their requests */
+    size_t ids;                       /* number of jobs in them, without submits */
 } pending_waits;
 
 /* There is no deinit: the server drops all waits when it closes. */
