@@ -91,16 +91,17 @@ const sheard_setting config_rows[] = {
      .help = "How often the folder is searched for files that the kernel did not announce."},
     {ROW(DURATION, "spool", "done_max_age", spool.done.max_age_ms), UNLIMITED(SECOND, 36500 * DAY),
      .help = "Files in done that are older are removed, with their reports. " KEPT_FOREVER},
-    {ROW(INT, "spool", "done_max_count", spool.done.max_count), UNLIMITED(1, 1000000000), .unit = "files",
+    {ROW(INT, "spool", "done_max_count", spool.done.max_count),
+     UNLIMITED(1, 1000000000), .unit = "files",
      .help = "The oldest files in done beyond this number are removed."},
     {ROW(BYTES, "spool", "done_max_bytes", spool.done.max_bytes), UNLIMITED(MiB, 1024 * 1024 * TiB),
      .help = "The oldest files in done are removed until the rest has at most this size."},
-    {ROW(DURATION, "spool", "failed_max_age", spool.failed.max_age_ms), UNLIMITED(SECOND, 36500 * DAY),
-     .help = "As done_max_age, for failed."},
-    {ROW(INT, "spool", "failed_max_count", spool.failed.max_count), UNLIMITED(1, 1000000000), .unit = "files",
-     .help = "As done_max_count, for failed."},
-    {ROW(BYTES, "spool", "failed_max_bytes", spool.failed.max_bytes), UNLIMITED(MiB, 1024 * 1024 * TiB),
-     .help = "As done_max_bytes, for failed."},
+    {ROW(DURATION, "spool", "failed_max_age", spool.failed.max_age_ms),
+     UNLIMITED(SECOND, 36500 * DAY), .help = "As done_max_age, for failed."},
+    {ROW(INT, "spool", "failed_max_count", spool.failed.max_count),
+     UNLIMITED(1, 1000000000), .unit = "files", .help = "As done_max_count, for failed."},
+    {ROW(BYTES, "spool", "failed_max_bytes", spool.failed.max_bytes),
+     UNLIMITED(MiB, 1024 * 1024 * TiB), .help = "As done_max_bytes, for failed."},
 
     {ROW(BOOL, "catalogues", "enabled", catalogs.enabled), .initial = "true",
      .help = "Whether catalogs are written."},
@@ -224,10 +225,12 @@ const sheard_setting config_rows[] = {
      .help = "A job fails for good after this many (with the default delays: after half a day). "
              "For a data root that is missing and for a full disk it waits, however long."},
 
-    {ROW(DURATION, "retention", "jobs_max_age", retention.jobs_max_age_ms), UNLIMITED(SECOND, 36500 * DAY),
+    {ROW(DURATION, "retention", "jobs_max_age", retention.jobs_max_age_ms),
+     UNLIMITED(SECOND, 36500 * DAY),
      .help = "Finished jobs that are older are forgotten. What they contributed to their fields "
              "stays, and the same input is still recognised."},
-    {ROW(INT, "retention", "jobs_max_count", retention.jobs_max_count), UNLIMITED(1, 1000000000), .unit = "jobs",
+    {ROW(INT, "retention", "jobs_max_count", retention.jobs_max_count),
+     UNLIMITED(1, 1000000000), .unit = "jobs",
      .help = "The oldest finished jobs beyond this number are forgotten."},
 };
 /* clang-format on */
