@@ -131,13 +131,15 @@ class Noise(ExperimentTest):
         process.wait()
         before = state.read_bytes()
         self.assertGreater(len(before.splitlines()), 3)
+        damaged = b"noise 39 1.5 0.1 0x1p+0 0x1p+0 end\n"  # not a number of values
         with state.open("ab") as out:
-            out.write(b"noise 39 12 0.1 0x1p+0 0x1")  # a line that a crash cut off
+            out.write(damaged + b"noise 39 12 0.1 0x1p+0 0x1")  # a line that a crash cut off
         self.run_paper("noise", *options, "--threads", 2, out=two)
         self.assertEqual(table(one), table(two))
         after = state.read_bytes()
         whole = before[:before.rindex(b"\n") + 1]
         self.assertEqual(after[:len(whole)], whole, "finished groups are not measured again")
+        self.assertNotIn(damaged, after)
         self.run_paper("noise", *options, out=two)
         self.assertEqual(state.read_bytes(), after, "a finished run has nothing to do")
 

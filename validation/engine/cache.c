@@ -10,6 +10,7 @@
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -63,7 +64,8 @@ static bool parse_record(const char *line, record *r) {
     const char *p = line;
     *r = (record){0};
     if (!parse_name(&p, r->name) || !parse_double(&p, &r->chunk) || !parse_double(&p, &r->n) ||
-        !(r->n >= 0.0 && r->n <= (double)strlen(line)) || !parse_double(&p, &r->seconds)) {
+        !(r->n >= 0.0 && r->n <= (double)strlen(line)) || r->n != floor(r->n) ||
+        !parse_double(&p, &r->seconds)) {
         return false;
     }
     r->values = must_allocate((size_t)r->n, sizeof *r->values, "the state of the experiment");
