@@ -7,14 +7,16 @@
 
 enum { ALIGN = 64 };
 
-static size_t round_up(size_t bytes) {
-    return (bytes + ALIGN - 1) / ALIGN * ALIGN;
+/* Round up, with a gap of at least a byte: galaxies and noise whose sizes are powers of two must
+ * not share cache sets, pixel by pixel. */
+static size_t with_gap(size_t bytes) {
+    return (bytes / ALIGN + 1) * ALIGN;
 }
 
 /* Return the next `bytes` of the memory, aligned; without a base only count them. */
 static void *place(char *base, size_t *at, size_t bytes) {
     void *here = base != NULL ? base + *at : NULL;
-    *at += round_up(bytes);
+    *at += with_gap(bytes);
     return here;
 }
 
@@ -70,7 +72,7 @@ void shear_block_place(shear_block *block, const shear_field_info *info, int cap
 }
 
 size_t shear_psf_bytes(const shear_field_info *info) {
-    return round_up((size_t)info->geometry.psf_nx * (size_t)info->geometry.psf_ny * sizeof(double));
+    return with_gap((size_t)info->geometry.psf_nx * (size_t)info->geometry.psf_ny * sizeof(double));
 }
 
 int shear_block_new(shear_block **block, const shear_field_info *info, int capacity,
