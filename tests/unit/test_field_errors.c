@@ -181,6 +181,24 @@ static void lost_extension(void **state) {
     fixture_expect_open(bad(), SHEAR_E_FORMAT, "does not begin with XTENSION", END);
 }
 
+/* All readers of a header see the same END: cards behind it are not keywords. */
+static void cards_behind_end(void **state) {
+    (void)state;
+    static const char behind[] = "PIXSCALE=                   -1";
+    size_t size = 0;
+    shear_field *field = NULL;
+    shear_error err = {0};
+    cube();
+    unsigned char *bytes = fixture_load(bad(), &size);
+    unsigned char *end = memmem(bytes, size, "END     ", 8);
+    memcpy(end, "END\0 \0 ", 8);
+    memcpy(end + 80, behind, strlen(behind));
+    fixture_save(bad(), bytes, size);
+    free(bytes);
+    assert_int_equal(shear_field_open(&field, bad(), &err), SHEAR_OK);
+    shear_field_close(field);
+}
+
 /* CFITSIO 4.2 overruns a buffer over such values. It never sees them: where the keyword means
  * nothing it is not looked at, where it does it is refused. */
 static void long_numbers(void **state) {
@@ -494,6 +512,7 @@ int main(void) {
         cmocka_unit_test(structural_keywords),
         cmocka_unit_test(cards_out_of_order),
         cmocka_unit_test(lost_extension),
+        cmocka_unit_test(cards_behind_end),
         cmocka_unit_test(long_numbers),
         cmocka_unit_test(absurd_sizes),
         cmocka_unit_test(endless_header),

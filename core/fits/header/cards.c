@@ -12,9 +12,13 @@
 #include <string.h>
 
 static int64_t count_cards(const char *text, int64_t bytes) {
+    char key[SF_KEY + 1];
     int64_t n = 0;
-    while ((n + 1) * SF_CARD <= bytes && memcmp(text + n * SF_CARD, "END     ", SF_KEY) != 0)
-        n++;
+    for (; (n + 1) * SF_CARD <= bytes; n++) {
+        sf_card_key(text + n * SF_CARD, key);
+        if (strcmp(key, "END") == 0)
+            break;
+    }
     return n;
 }
 
