@@ -109,6 +109,7 @@ static int try_as(const struct passwd *user, const char *directory) {
 static bool test_write(doctor *d, const char *subject, const char *directory) {
     struct stat st = {0};
     const struct passwd *user = other_user();
+    const bool as_service = user != NULL; /* the next call may reuse what it points to */
     const int error = try_as(user, directory);
     if (error == 0)
         return true;
@@ -119,11 +120,11 @@ static bool test_write(doctor *d, const char *subject, const char *directory) {
              ours ? "give it to the service's user (chown -R %s: %s), or remove it and run "
                     "systemd-tmpfiles --create"
                   : "if the service is to run as somebody else, run doctor as that user or as root",
-             user != NULL ? user->pw_name : service_user, directory);
+             service_user, directory);
     doctor_report(d, subject,
                   ours || error == EROFS || error == ENOSPC ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
                   remedy, "%s: %s may not write there (%s); it belongs to %s", directory,
-                  user != NULL ? user->pw_name : "you", strerror(error),
+                  as_service ? service_user : "you", strerror(error),
                   owner != NULL ? owner->pw_name : "an unknown user");
     return false;
 }
