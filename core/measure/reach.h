@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/reach.h: how far a file's galaxies reach, and the smallest filter that leaves them whole
- * (filter=auto; docs/method.md, section 2). */
+/* measure/reach.h: how far a file's galaxies reach, and the core of the smallest filter that
+ * leaves them whole (filter=auto; docs/method.md, section 2). */
 #pragma once
 
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/users.h: processor time per user, and which user and connection is served next. Of those
- * that have something to do, the user charged with the least time is next, then the user's
- * connection with the least. An idle user saves up at most USERS_CREDIT_NS. */
+/* server/users.h: the accounts of processor time by which the scheduler chooses. Of the users that
+ * have something to do, the one charged with the least time is next, then the user's connection
+ * with the least. An idle user saves up at most USERS_CREDIT_NS. */
 #pragma once
 
 #include "server/connection.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/jobs/job_outcome.h: how attempts of jobs end: why they fail, when they are tried again,
- * and the notifications that follow. */
+/* service/jobs/job_outcome.h: how attempts of jobs end: why they fail, when they are tried again
+ * (a full disk), and the notifications that follow. */
 #pragma once
 
 #include "shear/error.h"
