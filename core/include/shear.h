@@ -27,6 +27,7 @@
 #include "shear/error.h"
 #include "shear/field.h"
 #include "shear/input.h"
+#include "shear/linkage.h"
 #include "shear/plan.h"
 #include "shear/psf.h"
 #include "shear/run.h"

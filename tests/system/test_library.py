@@ -88,8 +88,10 @@ class Headers(Installation):
         for header in self.headers:
             with open(os.path.join(self.prefix, "include", header), encoding="utf-8") as file:
                 text = re.sub(r"/\*.*?\*/", "", file.read(), flags=re.S)
-            if header != "shear.h":
-                self.assertIn('extern "C"', text, header)
+            if header == "shear/linkage.h":
+                self.assertIn('#define SHEAR_BEGIN_C extern "C" {', text)
+            elif header != "shear.h":
+                self.assertRegex(text, r"(?s)\nSHEAR_BEGIN_C\n.*\nSHEAR_END_C\n", header)
             for name in re.findall(r"^#define (\w+)|^\w[\w *]*?\b(\w+)\(", text, re.M):
                 self.assertRegex("".join(name), "^(SHEAR|shear)_", header)
 
