@@ -233,9 +233,10 @@ int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads
 #pragma omp for schedule(dynamic)
         for (int i = 0; i < count; i++) {
             const size_t at = (size_t)i * pixels;
-            if (!failed)
+            if (!failed) {
                 make_pair(m, &ws, first + i, galaxy + at,
                           noise + (size_t)m->spec.noise_stamps * at);
+            }
         }
     }
     return failed ? shear_fail(err, SHEAR_E_NOMEM, "use fewer threads",

@@ -134,6 +134,7 @@ static enum exit_code set_entry(const option_entry *e, const char *value) {
     if (e->flag != NULL) {
         *e->flag = true;
     } else {
+        assert(e->text != NULL);
         *e->text = value;
     }
     return EXIT_CODE_DONE;

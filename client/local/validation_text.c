@@ -48,9 +48,10 @@ static void print_field(const shear_field_info *f, FILE *out) {
               f->layout == SHEAR_LAYOUT_CUBE ? "cube" : "mosaic", abs(f->bitpix),
               f->bitpix < 0 ? "floats" : "integers", f->compressed ? ", tile-compressed" : "",
               f->gzipped ? ", gzipped" : "", 1e-6 * (double)f->file_bytes);
-    if (f->noise_planes > 1)
+    if (f->noise_planes > 1) {
         text_line(out, "noise", "%d stamps per galaxy, whose moments are averaged",
                   f->noise_planes);
+    }
     print_psf(f, out);
     print_columns(f, out);
     if (f->has_truth)

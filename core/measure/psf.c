@@ -134,19 +134,21 @@ static void cell_heights(const psf_view *v, int i, int j, int refine, double lev
     }
 }
 
+/* Return the part of a triangle at the corner that is alone on its side of a straight contour. */
+static double lone_part(double lone, double p, double q) {
+    return lone / (lone - p) * (lone / (lone - q));
+}
+
 /* Return the fraction of a triangle with corner values a, b, c that is above 0, with a straight
  * contour. */
 static double triangle(double a, double b, double c) {
     const int above = (a > 0) + (b > 0) + (c > 0);
     if (above == 0 || above == 3)
         return above == 3 ? 1.0 : 0.0;
-    /* Let a be the corner that is alone on its side. */
     const bool lone_side = above == 1;
-    if ((b > 0) == lone_side)
-        return triangle(b, a, c);
-    if ((c > 0) == lone_side)
-        return triangle(c, a, b);
-    const double part = a / (a - b) * (a / (a - c));
+    const double part = (b > 0) == lone_side   ? lone_part(b, a, c)
+                        : (c > 0) == lone_side ? lone_part(c, a, b)
+                                               : lone_part(a, b, c);
     return above == 1 ? part : 1.0 - part;
 }
 

@@ -5,6 +5,7 @@
 #include "spool/internal.h"
 #include "spool/report.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +19,7 @@ void retention_init(retention *w) {
 }
 
 void retention_deinit(retention *w) {
+    assert(w->n == 0 || w->items != NULL);
     for (size_t i = 0; i < w->n; i++)
         free(w->items[i].name);
     free(w->items);

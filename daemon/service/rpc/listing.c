@@ -51,9 +51,10 @@ int listing_add(listing *l, const void *item, sheard_rpc_error *error) {
     CLEANUP(release_free) char *text = NULL;
     size_t n = 0;
     TRY(sheard_reply_item(&text, &n, l->request.method, item, error));
-    if ((l->items.n > 0 && !buffer_add_text(&l->items, ",")) || !buffer_add(&l->items, text, n))
+    if ((l->items.n > 0 && !buffer_add_text(&l->items, ",")) || !buffer_add(&l->items, text, n)) {
         return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
                                "out of memory for the reply");
+    }
     return SHEARD_RPC_OK;
 }
 
