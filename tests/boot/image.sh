@@ -28,7 +28,7 @@ UNIT
 make_root() {
     local depends packages
     depends=$(dpkg-deb -f "$1" Depends | sed 's/([^)]*)//g; s/|[^,]*//g; s/ //g')
-    packages=systemd-sysv,dbus,udev,linux-image-cloud-amd64,initramfs-tools,procps,$depends
+    packages=systemd-sysv,dbus,udev,linux-image-cloud-amd64,initramfs-tools,procps,libinih1,$depends # 0.1 needs libinih
     [ "$(cat packages 2>/dev/null)" != "$packages" ] || return 0
     rm -rf root packages
     apt-config dump | grep '^Acquire::.*[Pp]roxy' >apt.conf || true
