@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool_fixture.h"
 
+#include "remove_tree.h"
+
 #include <dirent.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -54,18 +55,11 @@ int fixture_setup(void **state) {
     return 0;
 }
 
-static int remove_one(const char *path, const struct stat *st, int kind, struct FTW *at) {
-    (void)st;
-    (void)kind;
-    (void)at;
-    return remove(path);
-}
-
 int fixture_teardown(void **state) {
     spool_fixture *f = *state;
     fixture_close(f);
     assert_int_equal(uv_loop_close(&f->loop), 0);
-    nftw(f->root, remove_one, 16, FTW_DEPTH | FTW_PHYS);
+    remove_tree(f->root);
     free(f->found);
     free(f);
     return 0;

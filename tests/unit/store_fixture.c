@@ -5,9 +5,9 @@
 #include "store_test.h"
 #include "store_vfs.h"
 
+#include "remove_tree.h"
 #include "shear/sums.h"
 
-#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,16 +22,9 @@ void fx_init(fixture *f) {
     f->now = 1000000;
 }
 
-static int remove_one(const char *path, const struct stat *st, int type, struct FTW *at) {
-    (void)st;
-    (void)type;
-    (void)at;
-    return remove(path);
-}
-
 void fx_deinit(fixture *f) {
     fx_close(f);
-    assert_int_equal(nftw(f->dir, remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
+    assert_int_equal(remove_tree(f->dir), 0);
 }
 
 int fx_setup(void **state) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What control groups and affinity leave of the machine's processors. */
 #include "engine/machine.h"
+#include "remove_tree.h"
 #include "test.h"
 
-#include <ftw.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,16 +20,9 @@ static int setup(void **state) {
     return mkdtemp(top) != NULL ? 0 : -1;
 }
 
-static int remove_one(const char *path, const struct stat *st, int kind, struct FTW *where) {
-    (void)st;
-    (void)kind;
-    (void)where;
-    return remove(path);
-}
-
 static int teardown(void **state) {
     (void)state;
-    return nftw(top, remove_one, 16, FTW_DEPTH | FTW_PHYS);
+    return remove_tree(top);
 }
 
 static const char *put(const char *name, const char *text) {
