@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """shearctl's command line: subcommands, help, version, and errors about wrong options."""
 import os
+import re
 import subprocess
 import unittest
 
 from fitsfile import Field
-from tool import DONE, OTHER, SHEARCTL, USAGE, ToolTest, shearctl
+from tool import DONE, OTHER, SANITIZED, SHEARCTL, USAGE, ToolTest, shearctl
 
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 SUBCOMMANDS = ["measure", "mock", "validate", "plot", "help", "version"]
 
 
@@ -121,6 +123,24 @@ class Options(ToolTest):
         answer = shearctl("measure", "--", "--json", cwd=self.directory)
         self.assertCode(answer, DONE)
         self.assertTrue(answer.out.startswith("field gauss\n"), answer.out)
+
+
+@unittest.skipIf(SANITIZED, "the same text, ten times slower")
+class Readme(ToolTest):
+    def test_shows_what_quickstart_prints(self):
+        """The lines of the README's example are lines of the output, in this order, for the quickstart's first field."""
+        with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as file:
+            shown = re.search(r"^```text\n(field plus\n.*?)^```", file.read(), re.M | re.S).group(1).splitlines()
+        with open(os.path.join(ROOT, "quickstart"), encoding="utf-8") as file:
+            script = file.read()
+        galaxies = re.search(r"galaxies=\((.*?)\)", script, re.S).group(1).replace('"$stamps"', "2000").split()
+        self.assertIn("\nstamps=2000\n", script)
+        plus = self.path("plus.fits")
+        self.assertCode(shearctl("mock", plus, "--field", "plus", "--shear", "0.02,-0.03", *galaxies), DONE)
+        answer = shearctl("measure", plus, "--jackknife", "50")
+        self.assertCode(answer, DONE)
+        printed = answer.out.splitlines()
+        self.assertEqual([line for line in printed if line in shown], shown)
 
 
 if __name__ == "__main__":
