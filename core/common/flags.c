@@ -23,6 +23,12 @@ static const struct {
      "a pixel sharper than the PSF can be, below the sky, or one of a saturated flat top, in "
      "the galaxy stamp"},
     {"noise_artefact", "a pixel sharper than the PSF can be, or below the sky, in the noise stamp"},
+    {"edge", "the stamp and its frame do not fit into the chip"},
+    {"hole", "bad pixels in the galaxy's light"},
+    {"saturated", "saturated pixels in the galaxy's light"},
+    {"neighbour", "another object is too near"},
+    {"no_noise", "no box of empty sky near the galaxy"},
+    {"no_position", "the position is not finite, not in the image, or has no place on the sky"},
 };
 
 const char *shear_flag_name(int bit) {

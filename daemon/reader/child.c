@@ -137,9 +137,9 @@ int main(int argc, char **argv) {
         fprintf(stderr, "sheard-reader is started by sheard, not by hand\n");
         return 2;
     }
-    static const int scratch[] = {READER_FD_SCRATCH, READER_FD_SCRATCH + 1, READER_FD_SCRATCH + 2,
-                                  READER_FD_SCRATCH + 3};
-    _Static_assert(sizeof scratch / sizeof *scratch == SHEAR_N_PARTS, "one for each part");
+    int scratch[SHEAR_N_PARTS];
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
+        scratch[i] = READER_FD_SCRATCH + i;
     const int n_scratch = (int)strtol(argv[4], NULL, 10);
     const sandbox_limits limits = {.memory_bytes = strtoll(argv[1], NULL, 10),
                                    .cpu_seconds = strtoll(argv[2], NULL, 10),

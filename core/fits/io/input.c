@@ -6,7 +6,8 @@
 #include <stdio.h>
 
 const char *shear_part_name(int part) {
-    static const char *const names[SHEAR_N_PARTS] = {"galaxy", "noise", "psf", "catalog"};
+    static const char *const names[SHEAR_N_PARTS] = {
+        "galaxy", "noise", "psf", "catalog", "image", "weight", "mask", "segmentation", "wcs"};
     return part >= 0 && part < SHEAR_N_PARTS ? names[part] : "unknown";
 }
 

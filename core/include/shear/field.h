@@ -159,7 +159,7 @@ int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_e
 /** The largest size in bytes that a gzipped file may unpack to, unless the environment variable
  * SHEAR_UNPACK_LIMIT overrides it. */
 #define SHEAR_UNPACK_LIMIT (INT64_C(64) << 30)
-/** Have gzipped files unpacked into these n files, at most 8: empty, open for writing, one for each
+/** Have gzipped files unpacked into these n files, at most SHEAR_N_PARTS: empty, open for writing, one for each
  * gzipped file. For a process that may not create a temporary file in $TMPDIR or /tmp. Call it
  * once, before any field is opened; the library owns the descriptors from then on. */
 void shear_field_use_scratch(const int *fds, int n);

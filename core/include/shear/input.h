@@ -24,11 +24,16 @@ enum shear_part {
     SHEAR_PART_GALAXY = 0, /**< the galaxy stamps */
     SHEAR_PART_NOISE,      /**< the noise stamps */
     SHEAR_PART_PSF,        /**< the PSF images */
-    SHEAR_PART_CATALOG,    /**< the table with a row per stamp; optional */
-    SHEAR_N_PARTS          /**< how many there are */
+    SHEAR_PART_CATALOG,    /**< the table with a row per stamp; optional. Of an exposure: sources */
+    SHEAR_PART_IMAGE,      /**< an exposure; then there are no galaxy stamps */
+    SHEAR_PART_WEIGHT,     /**< its weight map; optional, like all that follow */
+    SHEAR_PART_MASK,       /**< its mask */
+    SHEAR_PART_SEGMENTATION, /**< which object a pixel belongs to */
+    SHEAR_PART_WCS,          /**< text file of header cards (.head) that replace the image's */
+    SHEAR_N_PARTS            /**< how many there are */
 };
-/** Return "galaxy", "noise", "psf" or "catalog" for enum shear_part; "unknown" for any other
- * number. */
+/** Return "galaxy", "noise", "psf", "catalog", "image", ... for enum shear_part; "unknown" for any
+ * other number. */
 const char *shear_part_name(int part);
 
 /** The place of one part. */
@@ -38,10 +43,48 @@ typedef struct shear_input_part {
     int64_t hdu;         /**< number of the HDU, 0 = the primary; -1: by name, or the default */
 } shear_input_part;
 
+/** What the weight map of an exposure holds. */
+enum shear_weight_kind {
+    SHEAR_WEIGHT_IS_WEIGHT = 0, /**< inverse variances, absolute or relative; 0 = bad */
+    SHEAR_WEIGHT_IS_VARIANCE,   /**< variances */
+    SHEAR_WEIGHT_IS_RMS         /**< standard deviations */
+};
+/** What a PSF file holds. */
+enum shear_psf_kind {
+    SHEAR_PSF_KIND_AUTO = 0, /**< what its HDUs say */
+    SHEAR_PSF_KIND_PSFEX,    /**< PSFEx models */
+    SHEAR_PSF_KIND_PIFF,     /**< a Piff model: PixelGrid with BasisPolynomial */
+    SHEAR_PSF_KIND_CUBE,     /**< images, with a table of their positions if there are several */
+    SHEAR_PSF_KIND_STARS     /**< stamps of stars */
+};
+/** Where an exposure's noise stamps come from. */
+enum shear_noise_kind {
+    SHEAR_NOISE_NEAR = 0, /**< boxes of empty sky near each galaxy */
+    SHEAR_NOISE_WHITE,    /**< random numbers of the local standard deviation */
+    SHEAR_NOISE_IMAGE     /**< an image of noise, SHEAR_PART_NOISE, at the galaxy's own place */
+};
+
+/** The options of an exposure (docs/exposures.md). All zero, with origin 1, are the defaults. Texts
+ * are borrowed; NULL = not given. */
+typedef struct shear_exposure {
+    enum shear_weight_kind weight_kind; /**< of SHEAR_PART_WEIGHT */
+    const char *mask_bad;               /**< "any", "bits=N", "planes=NAME,...", "zero" */
+    const char *columns;                /**< "x=XWIN_IMAGE,y=YWIN_IMAGE,..." */
+    int origin;                         /**< of catalog positions: the first pixel is 0 or 1 */
+    const char *select;                 /**< a row expression: which sources are measured */
+    enum shear_psf_kind psf_kind;       /**< of SHEAR_PART_PSF */
+    int stamp;                          /**< side of the stamps, pixels; 0 = 64 */
+    enum shear_noise_kind noise;        /**< of the noise stamps */
+    int noise_stamps;                   /**< per galaxy; 0 = 1 */
+    int frame;                          /**< enum shear_frame (shear/plan.h) of the shear, plus 1;
+                                           0 = sky if the image has a WCS, else pixel */
+} shear_exposure;
+
 /** The place of a field. Paths and names are borrowed. */
 typedef struct shear_input {
     const char *path;                      /**< of a field file; NULL: the parts are given */
     shear_input_part parts[SHEAR_N_PARTS]; /**< by enum shear_part, if path is NULL */
+    shear_exposure exposure;               /**< if the image is given */
 } shear_input;
 
 /** Return the input for this field file. The path is borrowed. */

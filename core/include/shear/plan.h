@@ -29,6 +29,15 @@ typedef struct shear_plan shear_plan;
 /** One thread's scratch memory for a plan. */
 typedef struct shear_workspace shear_workspace;
 
+/** The axes of moments and shears. */
+enum shear_frame {
+    SHEAR_FRAME_PIXEL = 0, /**< x along the columns, y along the rows */
+    SHEAR_FRAME_SKY, /**< x to the West, y to the North: the convention of GalSim and TreeCorr */
+    SHEAR_FRAME_SKY_EAST /**< x to the East, y to the North: the sign of g2 is the other one */
+};
+/** Return "pixel", "sky" or "sky-east"; "unknown" for any other number. */
+const char *shear_frame_name(enum shear_frame frame);
+
 /** The shapes of stamps and PSF images. */
 typedef struct shear_geometry {
     int nx;             /**< columns of a stamp, galaxy pixels */
@@ -59,6 +68,8 @@ typedef struct shear_plan_info {
     int fine_ny;              /**< ny s */
     double r_psf_px;          /**< PSF scale radius */
     double beta_px;           /**< target scale radius */
+    enum shear_frame frame;   /**< of the moments */
+    double beta;              /**< target scale radius in the frame's unit: pixels, or arcsec */
     enum shear_filter filter; /**< PAPER, EDGE or NONE; an explicit core counts as PAPER */
     bool filter_per_stamp;    /**< PAPER, and the core follows each stamp's R_GAL */
     double core_px;           /**< NaN without a filter, and if it differs from stamp to stamp */
@@ -86,8 +97,15 @@ typedef struct shear_plan_request {
                           (shear_stamps.psf) */
     double r_psf_px; /**< the PSFs' scale radius from shear_psf_radius(), for the automatic choices;
                         must be given if psf is NULL */
-    bool has_r_gal;  /**< stamps will have R_GAL, which decides filter = auto */
-    double core_px;  /**< for filter = auto: the core found by shear_plan_request_sample() */
+    /** [n_models] models of the PSF, instead of `psf`: each stamp has the number of its model and
+     * its coefficients (shear_stamps.psf_terms). All have the same number of terms. */
+    const shear_psf_model *models;
+    int n_models;           /**< 0: no models */
+    enum shear_frame frame; /**< of the moments; stamps must have Jacobians unless it is PIXEL */
+    double pixel_scale; /**< arcsec per pixel, the median sqrt|det J| of the stamps; needed unless
+                           the frame is PIXEL: beta = beta_px times it */
+    bool has_r_gal;     /**< stamps will have R_GAL, which decides filter = auto */
+    double core_px;     /**< for filter = auto: the core found by shear_plan_request_sample() */
     const shear_psf_quality *psfs; /**< [n_psfs] quality of a sample of the stamps' own PSFs */
     int n_psfs;                    /**< usable PSFs of that sample */
     int n_unusable;                /**< unusable PSFs of that sample */

@@ -70,6 +70,29 @@ int shear_psf_usable(const double *psf, int nx, int ny, shear_error *err);
 int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, int oversample,
                       shear_error *err);
 
+/** How the samples of a PSF model lie. */
+enum shear_psf_axes {
+    SHEAR_PSF_AXES_PIXEL = 0, /**< along x and y of the stamps; the step is in pixels */
+    SHEAR_PSF_AXES_SKY,       /**< along u (West) and v (North); the step is in arcsec */
+    /** No samples but |W|^2 itself, at the modes of an nx x ny stamp of the same size as the
+     * galaxy's: element [jy + ny/2][jx + nx/2] is mode (jx, jy); the step is not used. */
+    SHEAR_PSF_AXES_MODES
+};
+
+/** A PSF that is linear in `terms` numbers c that belong to a galaxy: its samples are sum_t c[t]
+ * samples[t] (with SHEAR_PSF_AXES_MODES: |W|^2 is). The pixel response is inside. Normalization and
+ * position of the peak do not matter. One image is a model of one term, with c = 1. */
+typedef struct shear_psf_model {
+    int nx;                   /**< columns of a plane, samples */
+    int ny;                   /**< rows of a plane, samples */
+    int terms;                /**< planes, at least 1 */
+    enum shear_psf_axes axes; /**< of the samples */
+    double step;           /**< between samples, pixels or arcsec; need not be a whole part of 1 */
+    int lanczos;           /**< order n of the Lanczos kernel that interpolates between samples; its
+                              transform multiplies that of the samples; 0: none */
+    const double *samples; /**< [terms][ny][nx] */
+} shear_psf_model;
+
 /** The quality of one image or several. */
 typedef struct shear_psf_summary {
     int64_t looked_at; /**< number of images; 0: nothing is known */

@@ -42,11 +42,19 @@ enum shear_flag {
     /** A pixel of the galaxy stamp that cannot be sky light: sharper than the PSF, below the sky,
      * or in a saturated flat top (docs/method.md section 8). */
     SHEAR_FLAG_ARTEFACT = 1u << 8,
-    SHEAR_FLAG_NOISE_ARTEFACT = 1u << 9 /**< the same in the noise stamp */
+    SHEAR_FLAG_NOISE_ARTEFACT = 1u << 9, /**< the same in the noise stamp */
+    /* The flags below are set by a reader of exposures (shear_stamps.flags). */
+    SHEAR_FLAG_EDGE = 1u << 10,       /**< the stamp and its frame do not fit into the chip */
+    SHEAR_FLAG_HOLE = 1u << 11,       /**< bad pixels lie in the galaxy's light */
+    SHEAR_FLAG_SATURATED = 1u << 12,  /**< saturated pixels lie in the galaxy's light */
+    SHEAR_FLAG_NEIGHBOUR = 1u << 13,  /**< another object is too near */
+    SHEAR_FLAG_NO_NOISE = 1u << 14,   /**< there is no empty sky near the galaxy */
+    SHEAR_FLAG_NO_POSITION = 1u << 15 /**< its position is not finite, or not in the image, or has
+                                         no place on the sky */
 };
 /** Numbers of flags. */
 enum {
-    SHEAR_N_FLAGS = 10 /**< number of flags */
+    SHEAR_N_FLAGS = 16 /**< number of flags */
 };
 
 /** Return the stable name of flag `bit` (0 .. SHEAR_N_FLAGS-1), such as "galaxy_not_finite"; NULL
@@ -61,13 +69,20 @@ bool shear_weight_is_good(double weight);
 
 /** Consecutive stamp pairs of one field. The arrays belong to the caller and are only read. */
 typedef struct shear_stamps {
-    int64_t first;            /**< number in the field of the first pair, from 0 */
-    int count;                /**< pairs */
-    int nx;                   /**< columns of a stamp, pixels */
-    int ny;                   /**< rows of a stamp, pixels */
-    const double *galaxy;     /**< [count][ny][nx] */
-    const double *noise;      /**< [count][noise_planes][ny][nx] */
-    int noise_planes;         /**< noise stamps per galaxy; 0 counts as 1 */
+    int64_t first;        /**< number in the field of the first pair, from 0 */
+    int count;            /**< pairs */
+    int nx;               /**< columns of a stamp, pixels */
+    int ny;               /**< rows of a stamp, pixels */
+    const double *galaxy; /**< [count][ny][nx] */
+    const double *noise;  /**< [count][noise_planes][ny][nx] */
+    int noise_planes;     /**< noise stamps per galaxy; 0 counts as 1 */
+    /** [count][4] du/dx, du/dy, dv/dx, dv/dy at each galaxy, arcsec per pixel, (u, v) on the sky;
+     * or NULL. A plan of a sky frame needs them: its moments are along u and v. */
+    const double *jacobian;
+    const uint32_t *flags; /**< [count] flags that the reader has found, or NULL: none */
+    /** [count][terms] coefficients of the plan's PSF models, or NULL if it has none; psf_index is
+     * then the number of the model. */
+    const double *psf_terms;
     int n_psf;                /**< PSF images in `psf`; 0 if the plan holds the field's one PSF */
     const double *psf;        /**< [n_psf][psf_ny][psf_nx], or NULL */
     const int32_t *psf_index; /**< [count] index into psf, -1: there is no such PSF; or NULL: image

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* survey/wcs/sky_map.h: from pixels to the sky and back, by wcslib.
+ *
+ * A map is used by one thread at a time: wcslib's conversions write into their own struct, and two
+ * threads that share one get wrong positions silently. Pixel positions count from 1 (FITS). */
+#pragma once
+
+#include "shear/error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct sky_map sky_map;
+
+/* Make the map from `count` header cards of 80 characters; `where` names the file and HDU in
+ * messages. *map is NULL, without an error, if the cards have no celestial coordinates. TAN with PV
+ * coefficients (SCAMP) is read as TPV; with SIP they are ignored. SHEAR_E_FORMAT: coordinates that
+ * wcslib refuses, with its reason; SHEAR_E_NOMEM. */
+int sky_map_new(sky_map **map, const char *cards, int64_t count, const char *where,
+                shear_error *err);
+void sky_map_free(sky_map *map);
+
+/* Convert n positions; those that have no place become NaN. */
+void sky_map_to_sky(sky_map *map, int64_t n, const double *x, const double *y, double *ra,
+                    double *dec);
+void sky_map_to_pixel(sky_map *map, int64_t n, const double *ra, const double *dec, double *x,
+                      double *y);
+
+/* Compute j = (du/dx, du/dy, dv/dx, dv/dy), arcsec per pixel, at pixel (x, y): u to the West, v to
+ * the North, in the tangent plane at that very place. Return false if it has no place on the sky,
+ * or the map is singular there. */
+bool sky_map_jacobian(sky_map *map, double x, double y, double j[4]);
+/* Compute (u, v), arcsec, of a position in the tangent plane at (ra0, dec0), degrees. Return false
+ * beyond 90 degrees. */
+bool sky_map_tangent(double ra, double dec, double ra0, double dec0, double *u, double *v);
+
+/* The shear that a Jacobian's map itself makes, in the pixel frame: an object that is round on the
+ * sky appears with g = gf in pixels. */
+typedef struct sky_distortion {
+    double g1, g2;
+    double scale;    /* sqrt|det J|, arcsec per pixel */
+    double rotation; /* radians */
+    bool mirrored;
+} sky_distortion;
+sky_distortion sky_distortion_of(const double j[4]);
+
+/* The cards of a text file (SCAMP's .head): blocks that end with END, one per chip. */
+typedef struct head_file {
+    char *cards;    /* [count][80]; owned */
+    int64_t *first; /* [n + 1] number of the first card of each block; owned */
+    int n;
+} head_file;
+/* Read the file at `path`, or the descriptor fd if it is not negative. SHEAR_E_IO, SHEAR_E_FORMAT.
+ * Call head_file_deinit after an error, too. */
+int head_file_init(head_file *h, const char *path, int fd, shear_error *err);
+void head_file_deinit(head_file *h);
+/* Return a copy of the image's header [*count][80], its coordinates replaced by those of block `i`;
+ * NULL: out of memory. The caller frees it. */
+char *head_file_merge(const head_file *h, int i, const char *cards, int64_t *count);
