@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* part_options.h: the options --galaxy, --noise, --psf and --catalog-in, which name a field's parts
- * in separate files or HDUs, each as FILE or FILE:HDU. */
+ * in separate files or HDUs, each as FILE or FILE:HDU; and those of an exposure. */
 #pragma once
 
 #include "cmdline/options.h"
@@ -17,11 +17,37 @@
         .name = "catalog-in", .text = &(parts)->given[SHEAR_PART_CATALOG]                          \
     }
 
-/* The arguments of these options: "FILE", "FILE:HDU", or NULL if not given. Initialize with {0}. */
+/* Further entries for subcommands that read exposures; PART_OPTIONS go before them. */
+#define EXPOSURE_OPTION(parts, option)                                                             \
+    { .name = option, .set = part_options_set, .context = (parts) }
+#define EXPOSURE_OPTIONS(parts)                                                                    \
+    {.name = "image", .text = &(parts)->given[SHEAR_PART_IMAGE]},                                  \
+        {.name = "weight", .text = &(parts)->given[SHEAR_PART_WEIGHT]},                            \
+        {.name = "mask", .text = &(parts)->given[SHEAR_PART_MASK]},                                \
+        {.name = "segmentation", .text = &(parts)->given[SHEAR_PART_SEGMENTATION]},                \
+        {.name = "wcs", .text = &(parts)->given[SHEAR_PART_WCS]},                                  \
+        {.name = "sources", .text = &(parts)->sources}, EXPOSURE_OPTION(parts, "weight-kind"),     \
+        EXPOSURE_OPTION(parts, "mask-bad"), EXPOSURE_OPTION(parts, "columns"),                     \
+        EXPOSURE_OPTION(parts, "origin"), EXPOSURE_OPTION(parts, "select"),                        \
+        EXPOSURE_OPTION(parts, "psf-kind"), EXPOSURE_OPTION(parts, "stamp"),                       \
+        EXPOSURE_OPTION(parts, "noise-stamps"), EXPOSURE_OPTION(parts, "frame")
+
+/* The arguments of these options: "FILE", "FILE:HDU", or NULL if not given. Initialize with
+ * PART_OPTIONS_INIT. */
 typedef struct part_options {
     const char *given[SHEAR_N_PARTS];
+    const char *sources; /* --sources, which is SHEAR_PART_CATALOG of an exposure */
+    shear_exposure exposure;
+    const char *of_exposure; /* one of its options that was given, or NULL */
 } part_options;
 
+#define PART_OPTIONS_INIT                                                                          \
+    {                                                                                              \
+        .exposure = {.origin = 1 }                                                                 \
+    }
+
+/* Set an option of the exposure: `set` of an option_entry. */
+enum exit_code part_options_set(const option_entry *entry, const char *value);
 /* Return whether any of these options was given. */
 bool part_options_any(const part_options *o);
 /* Check that the options form a complete input, without field files beside them. The exception is

@@ -36,6 +36,7 @@ static enum exit_code parse(const command *self, int argc, char **argv, measure_
         {.name = "json", .flag = &o->json},
         {.name = "quiet", .flag = &o->quiet},
         PART_OPTIONS(&o->parts),
+        EXPOSURE_OPTIONS(&o->parts),
         {0}};
     TRY(options_parse(self, argc, argv, options, &o->settings));
     TRY(options_check_settings(&o->settings));
@@ -141,7 +142,7 @@ static enum exit_code measure_parts(const measure_options *o) {
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {
-    measure_options o = {.threads = 0};
+    measure_options o = {.parts = PART_OPTIONS_INIT};
     TRY(parse(self, argc, argv, &o));
     return part_options_any(&o.parts) ? measure_parts(&o)
                                       : measure_files(argv + optind, (size_t)(argc - optind), &o);

@@ -124,7 +124,7 @@ enum exit_code catalog_paths_resolve(measure_input *inputs, size_t n, const char
     for (size_t i = 0; i < n; i++) {
         if (measure_input_is_wanted(&inputs[i])) {
             inputs[i].catalog =
-                directory ? path_in(out, measure_input_path(&inputs[i])) : strdup(out);
+                directory ? path_in(out, shear_input_name(&inputs[i].source)) : strdup(out);
             if (inputs[i].catalog == NULL)
                 return message_no_memory();
         }

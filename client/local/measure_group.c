@@ -73,6 +73,21 @@ static int check_blocks(const measure_group *g, int groups, shear_error *err) {
     return SHEAR_OK;
 }
 
+/* Shears along different axes cannot be averaged. */
+static int check_frames(const measure_group *g, shear_error *err) {
+    for (size_t i = 1; i < g->n; i++) {
+        const measure_input *const *in = (const measure_input *const *)g->inputs;
+        if (in[i]->info.frame != in[0]->info.frame) {
+            return shear_fail(err, SHEAR_E_SETTING,
+                              "measure them with one --frame, or as different fields",
+                              "field %s: %s is in the frame %s, but %s in %s", g->field,
+                              in[0]->path, shear_frame_name(in[0]->info.frame), in[i]->path,
+                              shear_frame_name(in[i]->info.frame));
+        }
+    }
+    return SHEAR_OK;
+}
+
 static void fail_all(measure_group *g, const shear_error *err) {
     const enum exit_code code = message_error(err);
     for (size_t i = 0; i < g->n; i++) {
@@ -236,6 +251,7 @@ static int measure(measure_group *g, const measure_options *o, shear_error *err)
     g->files = calloc(g->n, sizeof *g->files);
     if (order == NULL || g->files == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    TRY(check_frames(g, err));
     memcpy(order, g->inputs, g->n * sizeof(measure_input *));
     if (o->jackknife > 0) {
         qsort(order, g->n, sizeof(measure_input *), by_checksum);

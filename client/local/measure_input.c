@@ -13,8 +13,9 @@ static int look_into(measure_input *input, const char *name, shear_error *err) {
     input->info = *shear_field_get_info(field);
     shear_field_close(field);
     TRY(shear_input_checksum(&input->source, NULL, &input->info, input->checksum, err));
-    return name != NULL ? SHEAR_OK
-                        : shear_field_need_name(&input->info, measure_input_path(input), err);
+    return name != NULL
+               ? SHEAR_OK
+               : shear_field_need_name(&input->info, shear_input_name(&input->source), err);
 }
 
 /* Return whether an earlier file has the same content and field: counted twice, it would halve the
@@ -27,11 +28,6 @@ static bool is_duplicate(const measure_input *inputs, size_t i) {
         }
     }
     return false;
-}
-
-const char *measure_input_path(const measure_input *input) {
-    const shear_input *source = &input->source;
-    return source->path != NULL ? source->path : source->parts[SHEAR_PART_GALAXY].path;
 }
 
 void measure_inputs_open(measure_input *inputs, size_t n, const char *field) {

@@ -28,9 +28,6 @@ typedef struct measure_input {
  * `field`, unless NULL, overrides the files' own names. */
 void measure_inputs_open(measure_input *inputs, size_t n, const char *field);
 
-/* Return the path of the file that gives field and catalog their names. */
-const char *measure_input_path(const measure_input *input);
-
 /* Return whether the file is to be measured: it has neither failed nor is it a duplicate. */
 bool measure_input_is_wanted(const measure_input *input);
 

@@ -57,15 +57,9 @@ static enum exit_code read_job_file(submission *s, const char *name) {
 
 static enum exit_code set_images(submission *s, const submission_options *o) {
     shear_error err = {0};
-    sheard_msg_source *source = &s->params.submit.source;
-    sheard_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
-                                        &source->catalog};
     if (part_input_init(&s->parts, &o->parts, true, &err) != 0)
         return message_error(&err);
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        const shear_input_part *part = &s->parts.input.parts[i];
-        *images[i] = (sheard_msg_image){part->path, part->hdu, part->extname};
-    }
+    sheard_source_set(&s->params.submit.source, &s->parts.input);
     return EXIT_CODE_DONE;
 }
 

@@ -89,11 +89,6 @@ static int join_caller(const team_sums *own, shear_field_sums *sums, shear_symme
     return code;
 }
 
-/* Return the name for errors whose message does not contain one. */
-static const char *name_of(const shear_input *input) {
-    return input->path != NULL ? input->path : input->parts[SHEAR_PART_GALAXY].path;
-}
-
 int shear_run_input(const shear_input *input, const shear_settings *settings,
                     const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
                     shear_run_report *report, shear_error *err) {
@@ -106,8 +101,8 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
     int code = run_field(&r, input, settings, o, jack != NULL, report, err);
     code = code != SHEAR_OK ? code : join_caller(&r.sums, sums, o->terms, jack, err);
     report->seconds = clock_s(CLOCK_MONOTONIC) - start;
-    if (code != SHEAR_OK && err != NULL && strstr(err->message, name_of(input)) == NULL)
-        shear_prefix(err, code, "file '%s'", name_of(input));
+    if (code != SHEAR_OK && err != NULL && strstr(err->message, shear_input_name(input)) == NULL)
+        shear_prefix(err, code, "file '%s'", shear_input_name(input));
     return code;
 }
 

@@ -37,6 +37,15 @@ static int do_open(child *c, reader_reply *reply, shear_error *err) {
     return SHEAR_OK;
 }
 
+static int do_model(child *c, const reader_request *r, reader_reply *reply, shear_error *err) {
+    const shear_psf_model *models = NULL;
+    if (r->first < 0 || r->first >= shear_field_get_models(c->field, &models))
+        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "there is no such PSF model");
+    reply->model = models[r->first];
+    reply->model.samples = NULL;
+    return SHEAR_OK;
+}
+
 static int do_map(child *c, const reader_request *r, shear_error *err) {
     c->map = *r;
     c->memory_bytes = (size_t)(r->psf_bytes + r->slots * r->slot_bytes);
@@ -86,6 +95,8 @@ static int answer(child *c, const reader_request *r, reader_reply *reply) {
         return do_open(c, reply, err);
     case READER_MAP:
         return do_map(c, r, err);
+    case READER_MODEL:
+        return do_model(c, r, reply, err);
     case READER_PSF:
         return shear_field_read_psf(c->field, r->first, (double *)(void *)c->memory, err);
     case READER_STAMPS:
@@ -130,6 +141,13 @@ static void read_input(child *c, int argc, char **argv) {
             close(READER_FD_FILE + i); /* a descriptor that the daemon may have inherited */
         }
     }
+    for (int i = 0; i < SHEAR_N_EXPOSURE_OPTIONS && c->input.path == NULL; i++) {
+        const char *text = argv[READER_ARG_FIRST_OPTION + i];
+        if (text[0] != '\0') /* the daemon has checked it */
+            (void)shear_exposure_set(&c->input.exposure, shear_exposure_option(i), text, NULL);
+    }
+    if (shear_input_is_exposure(&c->input) && c->fds[SHEAR_PART_NOISE] >= 0)
+        c->input.exposure.noise = SHEAR_NOISE_IMAGE;
 }
 
 int main(int argc, char **argv) {

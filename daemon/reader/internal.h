@@ -24,5 +24,7 @@ struct reader {
     char *memory;
     size_t memory_bytes, psf_bytes, slot_bytes;
     int slots, capacity;
-    shear_block *blocks; /* [slots] views into the shared memory */
+    shear_psf_model *models; /* [info.n_models] once they have been read */
+    double *samples;         /* of all models */
+    shear_block *blocks;     /* [slots] views into the shared memory */
 };

@@ -18,6 +18,7 @@ enum { N_FDS = READER_FD_END - READER_FD_SOCKET, NUMBER = 24 };
 typedef struct arguments {
     char numbers[4][NUMBER];
     char hdus[SHEAR_N_PARTS][NUMBER];
+    char options[SHEAR_N_EXPOSURE_OPTIONS][NUMBER];
     char *argv[READER_ARGS_PARTS + 1];
 } arguments;
 
@@ -39,6 +40,11 @@ static void fill_arguments(arguments *a, const shear_input *input, int n_scratch
         a->argv[n++] = (char *)(part->path != NULL ? part->path : "");
         a->argv[n++] = a->hdus[i];
         a->argv[n++] = (char *)(part->extname != NULL ? part->extname : "");
+    }
+    for (int i = 0; i < SHEAR_N_EXPOSURE_OPTIONS && input->path == NULL; i++) {
+        const char *text =
+            shear_exposure_get(&input->exposure, shear_exposure_option(i), a->options[i]);
+        a->argv[n++] = (char *)(text != NULL ? text : "");
     }
     a->argv[n] = NULL;
 }

@@ -87,6 +87,8 @@ void reader_stop(reader *r) {
         munmap(r->memory, r->memory_bytes);
     release_fd(&r->memory_fd);
     scratch_close(&r->scratch);
+    free(r->models);
+    free(r->samples);
     free(r->blocks);
     free(r);
 }

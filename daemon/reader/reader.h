@@ -65,6 +65,9 @@ int reader_map(reader *r, int slots, int capacity, shear_error *err);
 int64_t reader_shared_bytes(const reader *r);
 /* Read PSF image `index`. *psf [psf_ny][psf_nx] is valid until the next call. */
 int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *err);
+/* Read all PSF models of the field: *models [info.n_models] is the reader's. READER_E_MEMORY if
+ * they take more than the limit of shared memory. */
+int reader_read_models(reader *r, const shear_psf_model **models, shear_error *err);
 /* Read stamp pairs [first, first+count) into `slot`. *block is valid until the slot is read again.
  * This is a read function of shear_source. */
 int reader_read(void *r, int slot, int64_t first, int count, const shear_block **block,

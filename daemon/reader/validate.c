@@ -10,7 +10,7 @@ static bool in_range(int64_t value, int64_t low, int64_t high) {
 static bool hdus_are_valid(const shear_field_info *info) {
     bool valid = true;
     for (int i = 0; i < SHEAR_N_PARTS; i++)
-        valid = valid && in_range(info->hdu[i], i == SHEAR_PART_CATALOG ? -1 : 0, INT32_MAX);
+        valid = valid && in_range(info->hdu[i], -1, INT32_MAX);
     return valid;
 }
 
@@ -18,6 +18,27 @@ static bool name_is_valid(const char *name) {
     while (*name >= ' ' && *name <= '~')
         name++;
     return *name == '\0';
+}
+
+/* Check what is said of PSF models and of the frame. */
+static bool models_are_valid(const shear_field_info *info) {
+    const bool models = info->psf_layout == SHEAR_PSF_MODELS;
+    const unsigned needed = SHEAR_COL_PSF_ID | SHEAR_COL_PSF_TERMS;
+    return in_range(info->frame, SHEAR_FRAME_PIXEL, SHEAR_FRAME_SKY_EAST) &&
+           (info->frame == SHEAR_FRAME_PIXEL ||
+            ((info->columns & SHEAR_COL_JACOBIAN) != 0 && info->pixscale > 0.0)) &&
+           (models ? in_range(info->psf_terms, 1, SHEAR_MAX_PSF_TERMS) &&
+                         in_range(info->n_models, 1, INT32_MAX) &&
+                         info->n_psf == (int64_t)info->n_models * info->psf_terms &&
+                         (info->columns & needed) == needed
+                   : info->n_models == 0 && info->psf_terms == 0);
+}
+
+bool validate_model(const shear_psf_model *m, const shear_field_info *info) {
+    return in_range(m->nx, 1, info->geometry.psf_nx) && in_range(m->ny, 1, info->geometry.psf_ny) &&
+           m->terms == info->psf_terms &&
+           in_range(m->axes, SHEAR_PSF_AXES_PIXEL, SHEAR_PSF_AXES_MODES) && m->step > 0.0 &&
+           m->step < 1e9 && in_range(m->lanczos, 0, 32);
 }
 
 bool validate_info(shear_field_info *info) {
@@ -29,7 +50,8 @@ bool validate_info(shear_field_info *info) {
            in_range(info->n_stamps, 1, INT64_C(1) << 40) &&
            in_range(info->n_psf, 1, INT64_C(1) << 40) &&
            in_range(info->layout, SHEAR_LAYOUT_CUBE, SHEAR_LAYOUT_MOSAIC) &&
-           in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_BY_ID) && hdus_are_valid(info);
+           in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_MODELS) && models_are_valid(info) &&
+           hdus_are_valid(info);
 }
 
 bool validate_checksum(const char text[SHEAR_CHECKSUM_SIZE]) {

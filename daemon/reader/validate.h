@@ -8,5 +8,7 @@
 /* Return whether the numbers that the daemon allocates and indexes by are in range, and the name is
  * printable. The name is terminated. */
 bool validate_info(shear_field_info *info);
+/* Return whether a model of that field is sound, but for its samples. */
+bool validate_model(const shear_psf_model *m, const shear_field_info *info);
 /* Return whether the text is a terminated checksum of hexadecimal digits. */
 bool validate_checksum(const char text[SHEAR_CHECKSUM_SIZE]);

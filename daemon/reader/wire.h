@@ -24,19 +24,21 @@ enum {
 
 /* Arguments of the child: bytes of memory, seconds of processor time, bytes of the largest unpacked
  * file, number of scratch files. Then the file's name; or, for each part, its file's name ("": not
- * given), its HDU's number (-1: none) and its HDU's name ("": none). The numbers include argv[0].
- */
+ * given), its HDU's number (-1: none) and its HDU's name ("": none), and the options of an exposure
+ * (shear_exposure_option; "": the default). The numbers include argv[0]. */
 enum {
     READER_ARG_FIRST_NAME = 5,
     READER_ARGS_FILE = READER_ARG_FIRST_NAME + 1,
-    READER_ARGS_PARTS = READER_ARG_FIRST_NAME + 3 * SHEAR_N_PARTS
+    READER_ARG_FIRST_OPTION = READER_ARG_FIRST_NAME + 3 * SHEAR_N_PARTS,
+    READER_ARGS_PARTS = READER_ARG_FIRST_OPTION + SHEAR_N_EXPOSURE_OPTIONS
 };
 
-enum { READER_WIRE_VERSION = 3 };
+enum { READER_WIRE_VERSION = 4 };
 
 enum reader_op {
     READER_OPEN = 1, /* open the field: -> info */
     READER_MAP,      /* map the shared memory, which has been sized for these numbers */
+    READER_MODEL,    /* describe PSF model `first` -> model, without its samples */
     READER_PSF,      /* read PSF image `first` into the PSF area */
     READER_STAMPS,   /* read stamp pairs [first, first+count) into slot */
     READER_HASH      /* hash some more of the content -> hashed; at its end also checksum */
@@ -61,4 +63,5 @@ typedef struct reader_reply {
                                            read */
     shear_error error;                  /* if code is not 0 */
     shear_field_info info;              /* READER_OPEN */
+    shear_psf_model model;              /* READER_MODEL */
 } reader_reply;

@@ -2,6 +2,13 @@
 /* Tables of the parameters of requests, and their checks. */
 #include "message/table.h"
 
+#include "base/cleanup.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
 const msg_table msg_nothing = {.name = "nothing", .size = sizeof(sheard_msg_nothing)};
 
 static const msg_member hello_members[] = {
@@ -25,38 +32,65 @@ MSG_PART(image, MSG_STRING(image, path, SHEARD_MSG_PATH_MAX, MSG_REQUIRED | MSG_
          MSG_NUMBER(image, hdu, 0, SHEARD_MSG_HDU_MAX, -1, MSG_NULLABLE),
          MSG_STRING(image, extname, SHEARD_MSG_EXTNAME_MAX, MSG_PLAIN));
 
+/* The number of an option, or -1. */
+#define OPTION_NUMBER(member, low, high) MSG_NUMBER(exposure, member, low, high, -1, MSG_NULLABLE)
+#define OPTION_TEXT(member)              MSG_STRING(exposure, member, SHEARD_MSG_OPTION_MAX, MSG_PLAIN)
+
+MSG_PART(exposure, MSG_STRUCT(exposure, image, image, MSG_NULLABLE),
+         MSG_STRUCT(exposure, sources, image, MSG_NULLABLE),
+         MSG_STRUCT(exposure, psf, image, MSG_NULLABLE),
+         MSG_STRUCT(exposure, weight, image, MSG_NULLABLE), OPTION_TEXT(weight_kind),
+         MSG_STRUCT(exposure, mask, image, MSG_NULLABLE), OPTION_TEXT(mask_bad),
+         MSG_STRUCT(exposure, segmentation, image, MSG_NULLABLE),
+         MSG_STRUCT(exposure, wcs, image, MSG_NULLABLE), OPTION_TEXT(columns),
+         OPTION_NUMBER(origin, 0, 1), OPTION_TEXT(select), OPTION_TEXT(psf_kind),
+         OPTION_NUMBER(stamp, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE), OPTION_TEXT(noise),
+         MSG_STRUCT(exposure, noise_image, image, MSG_NULLABLE),
+         OPTION_NUMBER(noise_stamps, 1, SHEAR_MAX_NOISE_PLANES), OPTION_TEXT(frame));
+
 /* The members of a source are written among those of the message that contains it. */
 #define SOURCE_MEMBERS(T, at)                                                                      \
     MSG_STRING_AS(T, at path, "path", SHEARD_MSG_PATH_MAX, MSG_ABSOLUTE),                          \
         MSG_STRUCT_AS(T, at galaxy, "galaxy", image, MSG_NULLABLE),                                \
         MSG_STRUCT_AS(T, at noise, "noise", image, MSG_NULLABLE),                                  \
         MSG_STRUCT_AS(T, at psf, "psf", image, MSG_NULLABLE),                                      \
-        MSG_STRUCT_AS(T, at catalog, "catalog", image, MSG_NULLABLE)
+        MSG_STRUCT_AS(T, at catalog, "catalog", image, MSG_NULLABLE),                              \
+        MSG_STRUCT_AS(T, at exposure, "exposure", exposure, MSG_NULLABLE)
 
 static const msg_member source_members[] = {SOURCE_MEMBERS(source, )};
 
 static int bad_source(sheard_rpc_error *error, int code, const char *parameter, const char *said) {
-    return sheard_rpc_fail_parameter(
-        error, code, parameter,
-        "give either \"path\", a field file, or all of \"galaxy\", \"noise\" and \"psf\"", "%s",
-        said);
+    return sheard_rpc_fail_parameter(error, code, parameter,
+                                     "give \"path\", a field file; or all of \"galaxy\", "
+                                     "\"noise\" and \"psf\"; or \"exposure\"",
+                                     "%s", said);
 }
 
-/* List the images in the order of enum shear_part. */
-static void list_images(const sheard_msg_source *s, const sheard_msg_image *images[SHEAR_N_PARTS]) {
-    images[SHEAR_PART_GALAXY] = &s->galaxy;
-    images[SHEAR_PART_NOISE] = &s->noise;
-    images[SHEAR_PART_PSF] = &s->psf;
-    images[SHEAR_PART_CATALOG] = &s->catalog;
+static bool is_exposure(const sheard_msg_source *s) {
+    return s->exposure.image.path != NULL;
+}
+
+void sheard_source_parts(sheard_msg_source *s, sheard_msg_image *parts[SHEAR_N_PARTS]) {
+    sheard_msg_exposure *e = &s->exposure;
+    const bool exposure = is_exposure(s);
+    parts[SHEAR_PART_GALAXY] = &s->galaxy;
+    parts[SHEAR_PART_NOISE] = exposure ? &e->noise_image : &s->noise;
+    parts[SHEAR_PART_PSF] = exposure ? &e->psf : &s->psf;
+    parts[SHEAR_PART_CATALOG] = exposure ? &e->sources : &s->catalog;
+    parts[SHEAR_PART_IMAGE] = &e->image;
+    parts[SHEAR_PART_WEIGHT] = &e->weight;
+    parts[SHEAR_PART_MASK] = &e->mask;
+    parts[SHEAR_PART_SEGMENTATION] = &e->segmentation;
+    parts[SHEAR_PART_WCS] = &e->wcs;
 }
 
 /* Check that each HDU is given by its number or by its name, not both. */
-static int check_choices(const sheard_msg_image *const images[SHEAR_N_PARTS],
+static int check_choices(sheard_msg_image *const parts[SHEAR_N_PARTS], const char *prefix,
                          sheard_rpc_error *error) {
     char parameter[SHEARD_RPC_PARAMETER_SIZE];
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        if (images[i]->hdu >= 0 && images[i]->extname != NULL) {
-            snprintf(parameter, sizeof parameter, "%s.hdu", shear_part_name(i));
+        if (parts[i]->hdu >= 0 && parts[i]->extname != NULL) {
+            snprintf(parameter, sizeof parameter, "%s%s.hdu", prefix, shear_part_name(i));
             return sheard_rpc_fail_parameter(error, SHEARD_RPC_BAD_PARAMETER, parameter,
                                              "give \"hdu\" or \"extname\"",
                                              "contradicts 'extname'");
@@ -65,37 +99,128 @@ static int check_choices(const sheard_msg_image *const images[SHEAR_N_PARTS],
     return SHEARD_RPC_OK;
 }
 
+/* ---- Exposures ---- */
+
+/* The members that are options of shear_exposure_set(): texts, and numbers that are -1 if not
+ * given. */
+static const struct {
+    const char *member; /* in JSON; the option has dashes */
+    const char *option;
+    size_t offset;
+    bool number;
+} options[] = {
+    {"weight_kind", "weight-kind", offsetof(sheard_msg_exposure, weight_kind), false},
+    {"mask_bad", "mask-bad", offsetof(sheard_msg_exposure, mask_bad), false},
+    {"columns", "columns", offsetof(sheard_msg_exposure, columns), false},
+    {"origin", "origin", offsetof(sheard_msg_exposure, origin), true},
+    {"select", "select", offsetof(sheard_msg_exposure, select), false},
+    {"psf_kind", "psf-kind", offsetof(sheard_msg_exposure, psf_kind), false},
+    {"stamp", "stamp", offsetof(sheard_msg_exposure, stamp), true},
+    {"noise", "noise", offsetof(sheard_msg_exposure, noise), false},
+    {"noise_stamps", "noise-stamps", offsetof(sheard_msg_exposure, noise_stamps), true},
+    {"frame", "frame", offsetof(sheard_msg_exposure, frame), false},
+};
+enum { N_OPTIONS = sizeof options / sizeof options[0] };
+
+/* Set option `i` of *to, if it is given. */
+static int set_option(shear_exposure *to, const sheard_msg_exposure *from, int i,
+                      shear_error *err) {
+    const void *member = (const char *)from + options[i].offset;
+    char number[24];
+    const char *text = number;
+    int64_t value = 0;
+    if (options[i].number) {
+        memcpy(&value, member, sizeof value);
+        snprintf(number, sizeof number, "%lld", (long long)value);
+        text = value >= 0 ? number : NULL;
+    } else {
+        memcpy(&text, member, sizeof text);
+    }
+    return text != NULL ? shear_exposure_set(to, options[i].option, text, err) : SHEAR_OK;
+}
+
+static int check_exposure(const sheard_msg_exposure *e, sheard_rpc_error *error) {
+    char parameter[SHEARD_RPC_PARAMETER_SIZE];
+    shear_exposure unused = {.origin = 1};
+    shear_error err = {0};
+    const char *missing = e->sources.path == NULL ? "exposure.sources"
+                          : e->psf.path == NULL   ? "exposure.psf"
+                                                  : NULL;
+    if (missing != NULL)
+        return bad_source(error, SHEARD_RPC_MISSING_PARAMETER, missing, "is missing");
+    for (int i = 0; i < N_OPTIONS; i++) {
+        if (set_option(&unused, e, i, &err) != SHEAR_OK) {
+            snprintf(parameter, sizeof parameter, "exposure.%s", options[i].member);
+            return sheard_rpc_fail_parameter(error, SHEARD_RPC_BAD_PARAMETER, parameter, NULL, "%s",
+                                             err.message);
+        }
+    }
+    return SHEARD_RPC_OK;
+}
+
+/* ---- A source as a whole ---- */
+
+/* Check the images of stamps: all are there but the catalog, which may be. */
+static int check_images(sheard_msg_image *const parts[SHEAR_N_PARTS], bool any,
+                        sheard_rpc_error *error) {
+    for (int i = 0; i < SHEAR_PART_CATALOG; i++) {
+        if (parts[i]->path == NULL) {
+            return bad_source(error, SHEARD_RPC_MISSING_PARAMETER,
+                              any ? shear_part_name(i) : "path", "is missing");
+        }
+    }
+    return SHEARD_RPC_OK;
+}
+
 static int check_source(const void *message, sheard_rpc_error *error) {
-    const sheard_msg_source *s = message;
-    const sheard_msg_image *images[SHEAR_N_PARTS];
-    const char *missing = NULL; /* the first required image that is missing */
-    bool any = false;
-    list_images(s, images);
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        any = any || images[i]->path != NULL;
-        if (missing == NULL && images[i]->path == NULL && i != SHEAR_PART_CATALOG)
-            missing = shear_part_name(i);
-    }
-    if (s->path != NULL) {
-        return any ? bad_source(error, SHEARD_RPC_BAD_PARAMETER, "path",
-                                "contradicts separate images")
-                   : SHEARD_RPC_OK;
-    }
-    if (missing != NULL) {
-        return bad_source(error, SHEARD_RPC_MISSING_PARAMETER, any ? missing : "path",
-                          "is missing");
-    }
-    return check_choices(images, error);
+    sheard_msg_source s = *(const sheard_msg_source *)message;
+    sheard_msg_image *parts[SHEAR_N_PARTS];
+    const bool any = s.galaxy.path != NULL || s.noise.path != NULL || s.psf.path != NULL ||
+                     s.catalog.path != NULL;
+    sheard_source_parts(&s, parts);
+    if (s.path != NULL && (any || is_exposure(&s)))
+        return bad_source(error, SHEARD_RPC_BAD_PARAMETER, "path", "contradicts separate images");
+    if (is_exposure(&s) && any)
+        return bad_source(error, SHEARD_RPC_BAD_PARAMETER, "exposure",
+                          "contradicts separate images");
+    if (s.path != NULL)
+        return SHEARD_RPC_OK;
+    TRY(is_exposure(&s) ? check_exposure(&s.exposure, error) : check_images(parts, any, error));
+    return check_choices(parts, is_exposure(&s) ? "exposure." : "", error);
 }
 MSG_TABLE(source, check_source);
 
-shear_input sheard_source_input(const sheard_msg_source *s) {
-    shear_input input = shear_input_of_file(s->path);
-    const sheard_msg_image *images[SHEAR_N_PARTS];
-    list_images(s, images);
+shear_input sheard_source_input(const sheard_msg_source *source) {
+    sheard_msg_source s = *source;
+    shear_input input = shear_input_of_file(s.path);
+    sheard_msg_image *parts[SHEAR_N_PARTS];
+    sheard_source_parts(&s, parts);
     for (int i = 0; i < SHEAR_N_PARTS; i++)
-        input.parts[i] = (shear_input_part){images[i]->path, images[i]->extname, images[i]->hdu};
+        input.parts[i] = (shear_input_part){parts[i]->path, parts[i]->extname, parts[i]->hdu};
+    for (int i = 0; i < N_OPTIONS && is_exposure(&s); i++)
+        (void)set_option(&input.exposure, &s.exposure, i, NULL); /* checked before */
+    if (input.parts[SHEAR_PART_NOISE].path != NULL && is_exposure(&s))
+        input.exposure.noise = SHEAR_NOISE_IMAGE;
     return input;
+}
+
+void sheard_source_set(sheard_msg_source *s, const shear_input *input) {
+    sheard_msg_image *parts[SHEAR_N_PARTS];
+    s->path = input->path;
+    s->exposure.image.path = input->parts[SHEAR_PART_IMAGE].path; /* which decides what is what */
+    sheard_source_parts(s, parts);
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        const shear_input_part *from = &input->parts[i];
+        *parts[i] = (sheard_msg_image){from->path, from->hdu, from->extname};
+    }
+    for (int i = 0; i < N_OPTIONS && is_exposure(s); i++) {
+        void *member = (char *)&s->exposure + options[i].offset;
+        char number[24];
+        const char *text = shear_exposure_get(&input->exposure, options[i].option, number);
+        const int64_t value = text != NULL && options[i].number ? strtoll(text, NULL, 10) : -1;
+        memcpy(member, options[i].number ? (const void *)&value : (const void *)&text,
+               options[i].number ? sizeof value : sizeof text);
+    }
 }
 
 /* ---- Jobs ---- */

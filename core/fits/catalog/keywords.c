@@ -61,6 +61,8 @@ static void put_settings(fitsfile *f, const shear_settings *s, int *status) {
 static void put_resolved(fitsfile *f, const shear_plan_info *p, int *status) {
     sf_output_double(f, "R_PSF", p->r_psf_px, "[px] scale radius of the PSF", status);
     sf_output_double(f, "BETA", p->beta_px, "[px] scale radius of the target PSF", status);
+    if (p->frame != SHEAR_FRAME_PIXEL)
+        sf_output_double(f, "BETA_SKY", p->beta, "[arcsec] the same on the sky", status);
     put_string(f, "RINTERP", shear_interpolation_name(p->interpolation), "interpolation used",
                status);
     fits_write_key_lng(f, "ROVERS", p->oversample, "fine grid used, points per pixel", status);
@@ -91,6 +93,14 @@ static const struct {
     {"N_EFF", offsetof(shear_result, n_eff), "effective number of stamps"},
     {"TOPSHARE", offsetof(shear_result, top_share), "part of the stamp that counts most"},
 };
+
+/* The axes of the shears: without them a sign of g2 means nothing. */
+static void put_frame(fitsfile *f, enum shear_frame frame, int *status) {
+    static const char *const axes[] = {[SHEAR_FRAME_PIXEL] = "x along columns, y along rows",
+                                       [SHEAR_FRAME_SKY] = "x to the West, y to the North",
+                                       [SHEAR_FRAME_SKY_EAST] = "x to the East, y to the North"};
+    put_string(f, "FRAME", shear_frame_name(frame), axes[frame], status);
+}
 
 static void put_result(fitsfile *f, const shear_result *r, int *status) {
     for (int i = r->valid ? 0 : N_SHEARS; i < N_NUMBERS; i++) {
@@ -124,6 +134,7 @@ void sf_catalog_write_result(fitsfile *f, const shear_plan *plan, const shear_re
     put_string(f, "INPUT", input_name, "the field file", status);
     put_string(f, "INCHKSUM", checksum, "its XXH3 checksum, 128 bits", status);
     put_settings(f, shear_plan_get_settings(plan), status);
+    put_frame(f, shear_plan_get_info(plan)->frame, status);
     put_resolved(f, shear_plan_get_info(plan), status);
     put_result(f, result, status);
     put_flag_legend(f, status);

@@ -31,6 +31,6 @@ const sf_member sf_catalog_members[SF_CATALOG_MEMBERS] = {
 };
 
 const char *const sf_flag_keywords[SHEAR_N_FLAGS] = {
-    "NF_GAL",  "NF_NOISE", "NF_MASK", "NF_EMPTY", "NF_PSF",
-    "NF_WGHT", "NF_RGAL",  "NF_OVER", "NF_ARTEF", "NF_NARTE",
+    "NF_GAL",   "NF_NOISE", "NF_MASK", "NF_EMPTY", "NF_PSF",   "NF_WGHT",  "NF_RGAL",  "NF_OVER",
+    "NF_ARTEF", "NF_NARTE", "NF_EDGE", "NF_HOLE",  "NF_SATUR", "NF_NEIGH", "NF_NONOI", "NF_NOPOS",
 };

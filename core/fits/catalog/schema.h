@@ -12,7 +12,8 @@
 /* Columns that are copied from the field file, if it has them: bits of enum shear_column. They are
  * the first of the catalog, ID before the others. */
 enum {
-    SF_CATALOG_COPIED = SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y | SHEAR_COL_RA | SHEAR_COL_DEC
+    SF_CATALOG_COPIED = SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y | SHEAR_COL_RA | SHEAR_COL_DEC |
+                        SHEAR_COL_GF1 | SHEAR_COL_GF2
 };
 
 /* The columns that hold a member of the row: a double (form "D"), or an integer of 32 bits ("J").

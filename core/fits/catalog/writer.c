@@ -15,7 +15,7 @@
 
 sf_layout sf_catalog_layout(unsigned columns) {
     sf_layout l = {0};
-    sf_layout_add_columns(&l, columns & SF_CATALOG_COPIED);
+    sf_layout_add_columns(&l, columns & SF_CATALOG_COPIED, 0);
     for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
         const sf_member *m = &sf_catalog_members[i];
         sf_layout_add(&l, m->name, m->form, m->unit, m->comment);

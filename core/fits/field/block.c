@@ -20,12 +20,13 @@ static void *place(char *base, size_t *at, size_t bytes) {
     return here;
 }
 
-static void place_columns(shear_block *b, unsigned columns, char *base, size_t *at) {
+static void place_columns(shear_block *b, const shear_field_info *info, char *base, size_t *at) {
     const size_t n = (size_t)b->capacity;
     for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
-        if ((columns & def->bit) != 0 && def->in_block != 0) {
+        if ((info->columns & def->bit) != 0 && def->in_block != 0) {
             const size_t size = def->form[0] == 'J' ? sizeof(int32_t) : sizeof(int64_t);
-            void *array = place(base, at, n * size);
+            const size_t repeat = (size_t)sf_column_repeat(def, info->psf_terms);
+            void *array = place(base, at, n * repeat * size);
             memcpy((char *)b + def->in_block, &array, sizeof array);
         }
     }
@@ -42,12 +43,14 @@ static size_t lay_out(shear_block *b, const shear_field_info *info, int capacity
     const int planes = info->noise_planes > 1 ? info->noise_planes : 1;
     b->noise =
         place(base, &at, n * (size_t)planes * (size_t)g->nx * (size_t)g->ny * sizeof(double));
-    if (info->psf_layout != SHEAR_PSF_ONE) {
+    if (info->psf_layout == SHEAR_PSF_MODELS)
+        b->psf_index = place(base, &at, n * sizeof *b->psf_index);
+    if (info->psf_layout == SHEAR_PSF_PER_STAMP || info->psf_layout == SHEAR_PSF_BY_ID) {
         b->psf = place(base, &at, n * (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof(double));
         b->psf_index = place(base, &at, n * sizeof *b->psf_index);
         b->psf_id = place(base, &at, n * sizeof *b->psf_id);
     }
-    place_columns(b, info->columns, base, &at);
+    place_columns(b, info, base, &at);
     b->stamps = (shear_stamps){.nx = g->nx,
                                .ny = g->ny,
                                .galaxy = b->galaxy,
@@ -57,7 +60,10 @@ static size_t lay_out(shear_block *b, const shear_field_info *info, int capacity
                                .psf_index = b->psf_index,
                                .weight = b->weight,
                                .r_gal = b->r_gal,
-                               .mask = b->mask};
+                               .mask = b->mask,
+                               .jacobian = b->jacobian,
+                               .psf_terms = b->psf_terms,
+                               .flags = b->dropped};
     return at;
 }
 

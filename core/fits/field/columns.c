@@ -6,6 +6,7 @@
 
 #include <assert.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,18 +15,30 @@
     offsetof(shear_catalog_columns, in_rows), offsetof(shear_block, in_block)
 
 const sf_column_def sf_column_defs[SF_COLUMNS] = {
-    {"ID", SHEAR_COL_ID, "K", "", "the galaxy's number", ARRAYS(id, id), -1},
-    {"X", SHEAR_COL_X, "D", "pixel", "position in the exposure", ARRAYS(x, x), 0},
-    {"Y", SHEAR_COL_Y, "D", "pixel", "position in the exposure", ARRAYS(y, y), 0},
-    {"RA", SHEAR_COL_RA, "D", "deg", "right ascension", ARRAYS(ra, ra), 0},
-    {"DEC", SHEAR_COL_DEC, "D", "deg", "declination", ARRAYS(dec, dec), 0},
-    {"WEIGHT", SHEAR_COL_WEIGHT, "D", "", "weight in the field's sums", ARRAYS(weight, weight), 0},
-    {"PSF_ID", SHEAR_COL_PSF_ID, "J", "", "which image of HDU PSF, from 0",
+    {"ID", SHEAR_COL_ID, "K", 1, "", "the galaxy's number", ARRAYS(id, id), -1},
+    {"X", SHEAR_COL_X, "D", 1, "pixel", "position in the exposure", ARRAYS(x, x), 0},
+    {"Y", SHEAR_COL_Y, "D", 1, "pixel", "position in the exposure", ARRAYS(y, y), 0},
+    {"RA", SHEAR_COL_RA, "D", 1, "deg", "right ascension", ARRAYS(ra, ra), 0},
+    {"DEC", SHEAR_COL_DEC, "D", 1, "deg", "declination", ARRAYS(dec, dec), 0},
+    {"WEIGHT", SHEAR_COL_WEIGHT, "D", 1, "", "weight in the field's sums", ARRAYS(weight, weight),
+     0},
+    {"PSF_ID", SHEAR_COL_PSF_ID, "J", 1, "", "which image of HDU PSF, from 0",
      offsetof(shear_catalog_columns, psf_id), 0, -1},
-    {"R_GAL", SHEAR_COL_R_GAL, "D", "pixel", "scale radius R_G for the filter",
+    {"R_GAL", SHEAR_COL_R_GAL, "D", 1, "pixel", "scale radius R_G for the filter",
      ARRAYS(r_gal, r_gal), 0},
-    {"FLAGS", SHEAR_COL_FLAGS, "J", "", "non-zero = leave the stamp out", ARRAYS(flags, mask),
+    {"FLAGS", SHEAR_COL_FLAGS, "J", 1, "", "non-zero = leave the stamp out", ARRAYS(flags, mask),
      1}, /* a stamp whose flag is undefined is left out */
+    {"JACOBIAN", SHEAR_COL_JACOBIAN, "4D", 4, "arcsec/pixel", "du/dx, du/dy, dv/dx, dv/dy; u West",
+     ARRAYS(jacobian, jacobian), 0},
+    {"PSF_TERMS", SHEAR_COL_PSF_TERMS, "D", 0, "", "coefficients of its PSF model",
+     ARRAYS(psf_terms, psf_terms), 0},
+    {"DROPPED", SHEAR_COL_DROPPED, "J", 1, "",
+     "why the stamp cannot be used: bits of FLAGS in results", ARRAYS(dropped, dropped),
+     SHEAR_FLAG_MASKED},
+    {"GF1", SHEAR_COL_GF1, "D", 1, "", "shear by the optics' distortion, pixel frame",
+     ARRAYS(gf1, gf1), 0},
+    {"GF2", SHEAR_COL_GF2, "D", 1, "", "shear by the optics' distortion, pixel frame",
+     ARRAYS(gf2, gf2), 0},
 };
 
 void *sf_column_array(const void *arrays, size_t offset) {
@@ -43,10 +56,12 @@ void sf_layout_add(sf_layout *l, const char *name, const char *form, const char 
     l->comments[l->n++] = comment;
 }
 
-void sf_layout_add_columns(sf_layout *l, unsigned columns) {
+void sf_layout_add_columns(sf_layout *l, unsigned columns, int terms) {
+    snprintf(l->made, sizeof l->made, "%dD", terms);
     for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
         if ((columns & def->bit) != 0)
-            sf_layout_add(l, def->name, def->form, def->unit, def->comment);
+            sf_layout_add(l, def->name, def->repeat == 0 ? l->made : def->form, def->unit,
+                          def->comment);
     }
 }
 
@@ -74,7 +89,8 @@ int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_erro
     TRY(sf_cards_init(&c->cards, part->file, part->hdu, part->label, err));
     TRY(sf_table_init(&c->table, &c->cards, err));
     for (int i = 0; i < SF_COLUMNS; i++) {
-        TRY(sf_table_find_number(&c->table, sf_column_defs[i].name, &c->column[i], err));
+        TRY(sf_table_find_numbers(&c->table, sf_column_defs[i].name, sf_column_defs[i].repeat,
+                                  &c->column[i], err));
         c->have |= c->column[i] != NULL ? sf_column_defs[i].bit : 0u;
     }
     return SHEAR_OK;
@@ -103,7 +119,7 @@ int sf_columns_read(sf_columns *c, const sf_column_def *def, int64_t first, int6
                     void *out, shear_error *err) {
     const sf_column *column = c->column[def - sf_column_defs];
     assert(column != NULL);
-    switch (def->form[0]) {
+    switch (def->form[def->form[1] != '\0']) {
     case 'D':
         return sf_table_doubles(&c->table, column, first, count, out, err);
     case 'K':

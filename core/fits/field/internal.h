@@ -4,12 +4,22 @@
 
 #include "fits/field/columns.h"
 #include "fits/field/parts.h"
+#include "fits/field/reader.h"
 #include "fits/field/stamps.h"
 
-struct shear_field {
+typedef struct field_file {
+    shear_field base; /* the first member: a shear_field is one of these */
     sf_parts parts;
-    shear_field_info info;
     sf_stamps galaxy, noise;
     sf_image psf;
     sf_columns catalog;
-};
+    double *samples; /* of all PSF models; NULL: PSFs are images */
+} field_file;
+
+static inline field_file *field_file_of(shear_field *field) {
+    return (field_file *)field;
+}
+
+/* Read a block: one of the functions of a field_reader. */
+int field_file_read(shear_field *field, int64_t first, int count, shear_block *block,
+                    shear_error *err);

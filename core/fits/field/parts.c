@@ -8,7 +8,8 @@
 #include <stdio.h>
 
 /* EXTNAME of the parts in a field file. */
-static const char *const extnames[SHEAR_N_PARTS] = {"GALAXY", "NOISE", "PSF", "CATALOG"};
+enum { PARTS = SHEAR_PART_IMAGE }; /* the others are those of exposures */
+static const char *const extnames[PARTS] = {"GALAXY", "NOISE", "PSF", "CATALOG"};
 
 /* ---- files ---- */
 
@@ -97,7 +98,7 @@ int sf_part_require(const sf_part *part, shear_error *err) {
 
 /* Refuse one image for two parts: the galaxies minus themselves have no power. */
 static int check_distinct(const sf_parts *p, shear_error *err) {
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < PARTS; i++) {
         for (int k = 0; k < i; k++) {
             if (p->of[i].hdu != NULL && p->of[i].hdu == p->of[k].hdu) {
                 return sf_fail(
@@ -130,7 +131,7 @@ int sf_parts_init(sf_parts *p, const shear_input *input, const int *fds, shear_e
     *p = (sf_parts){0};
     if (input->path != NULL)
         TRY(open_file(p, input->path, fds != NULL ? fds[0] : -1, &whole, err));
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < PARTS; i++) {
         TRY(whole != NULL ? choose_by_name(&p->of[i], i, whole, err)
                           : init_part(p, i, &input->parts[i], fds != NULL ? fds[i] : -1, err));
     }
@@ -145,7 +146,7 @@ void sf_parts_deinit(sf_parts *p) {
 
 bool sf_parts_are_whole(const sf_parts *p) {
     bool whole = p->n_files == 1;
-    for (int i = 0; i < SHEAR_N_PARTS && whole; i++) {
+    for (int i = 0; i < PARTS && whole; i++) {
         const sf_hdu *hdu = NULL;
         whole = sf_file_find(&p->files[0], extnames[i], false, &hdu, NULL) == SHEAR_OK &&
                 hdu == p->of[i].hdu;

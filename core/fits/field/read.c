@@ -1,21 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear_field_read: read a block of stamp pairs with their PSFs and catalog rows. */
+/* Read a block of stamp pairs with their PSFs and catalog rows. */
 #include "fits/field/internal.h"
 
 #include "base/cleanup.h"
 
-static int check_range(const shear_field *f, int64_t first, int count, const shear_block *block,
-                       shear_error *err) {
-    if (count < 1 || count > block->capacity || first < 0 || first > f->info.n_stamps - count) {
-        return sf_fail(
-            err, SHEAR_E_INTERNAL, f->galaxy.image.cards.at, NULL,
-            "%d stamps from %lld on were asked for into a block of %d, but there are %lld", count,
-            (long long)first, block->capacity, (long long)f->info.n_stamps);
-    }
-    return SHEAR_OK;
-}
-
-static int read_psf_per_stamp(shear_field *f, int64_t first, int count, shear_block *block,
+static int read_psf_per_stamp(field_file *f, int64_t first, int count, shear_block *block,
                               shear_error *err) {
     for (int i = 0; i < count; i++) {
         block->psf_index[i] = i;
@@ -27,11 +16,11 @@ static int read_psf_per_stamp(shear_field *f, int64_t first, int count, shear_bl
 
 /* Find the place of image `id` in the block, and read the image if it is not there yet. *index is
  * -1 if the file has no such image. */
-static int locate_psf(shear_field *f, int64_t id, shear_block *block, int32_t *index,
+static int locate_psf(field_file *f, int64_t id, shear_block *block, int32_t *index,
                       shear_error *err) {
     shear_stamps *stamps = &block->stamps;
     *index = -1;
-    if (id < 0 || id >= f->info.n_psf)
+    if (id < 0 || id >= f->base.info.n_psf)
         return SHEAR_OK;
     for (int k = stamps->n_psf - 1; k >= 0; k--) { /* consecutive stamps mostly have the same PSF */
         if (block->psf_id[k] == id) {
@@ -39,13 +28,14 @@ static int locate_psf(shear_field *f, int64_t id, shear_block *block, int32_t *i
             return SHEAR_OK;
         }
     }
-    const shear_geometry *g = &f->info.geometry;
+    const shear_geometry *g = &f->base.info.geometry;
     *index = stamps->n_psf++;
     block->psf_id[*index] = id;
-    return shear_field_read_psf(f, id, block->psf + (int64_t)*index * g->psf_nx * g->psf_ny, err);
+    return shear_field_read_psf(&f->base, id, block->psf + (int64_t)*index * g->psf_nx * g->psf_ny,
+                                err);
 }
 
-static int read_psf_by_id(shear_field *f, int64_t first, int count, shear_block *block,
+static int read_psf_by_id(field_file *f, int64_t first, int count, shear_block *block,
                           shear_error *err) {
     const sf_column_def *def = &sf_column_defs[__builtin_ctz(SHEAR_COL_PSF_ID)];
     block->stamps.n_psf = 0;
@@ -55,9 +45,11 @@ static int read_psf_by_id(shear_field *f, int64_t first, int count, shear_block 
     return SHEAR_OK;
 }
 
-static int read_psf(shear_field *f, int64_t first, int count, shear_block *block,
-                    shear_error *err) {
-    switch (f->info.psf_layout) {
+static int read_psf(field_file *f, int64_t first, int count, shear_block *block, shear_error *err) {
+    const sf_column_def *id = &sf_column_defs[__builtin_ctz(SHEAR_COL_PSF_ID)];
+    switch (f->base.info.psf_layout) {
+    case SHEAR_PSF_MODELS:
+        return sf_columns_read(&f->catalog, id, first, count, block->psf_index, err);
     case SHEAR_PSF_PER_STAMP:
         return read_psf_per_stamp(f, first, count, block, err);
     case SHEAR_PSF_BY_ID:
@@ -68,10 +60,10 @@ static int read_psf(shear_field *f, int64_t first, int count, shear_block *block
     }
 }
 
-static int read_catalog(shear_field *f, int64_t first, int count, shear_block *block,
+static int read_catalog(field_file *f, int64_t first, int count, shear_block *block,
                         shear_error *err) {
     for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
-        if ((f->info.columns & def->bit) != 0 && def->in_block != 0) {
+        if ((f->base.info.columns & def->bit) != 0 && def->in_block != 0) {
             TRY(sf_columns_read(&f->catalog, def, first, count,
                                 sf_column_array(block, def->in_block), err));
         }
@@ -79,14 +71,12 @@ static int read_catalog(shear_field *f, int64_t first, int count, shear_block *b
     return SHEAR_OK;
 }
 
-int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
-                     shear_error *err) {
+int field_file_read(shear_field *field, int64_t first, int count, shear_block *block,
+                    shear_error *err) {
+    field_file *f = field_file_of(field);
     const int64_t planes = field->info.noise_planes;
-    TRY(check_range(field, first, count, block, err));
-    TRY(sf_stamps_read(&field->galaxy, first, count, block->galaxy, err));
-    TRY(sf_stamps_read(&field->noise, planes * first, planes * count, block->noise, err));
-    TRY(read_psf(field, first, count, block, err));
-    block->stamps.first = first;
-    block->stamps.count = count;
-    return read_catalog(field, first, count, block, err);
+    TRY(sf_stamps_read(&f->galaxy, first, count, block->galaxy, err));
+    TRY(sf_stamps_read(&f->noise, planes * first, planes * count, block->noise, err));
+    TRY(read_psf(f, first, count, block, err));
+    return read_catalog(f, first, count, block, err);
 }

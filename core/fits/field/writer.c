@@ -3,7 +3,7 @@
  * written in any order. */
 #include "base/cleanup.h"
 #include "fits/field/columns.h"
-#include "fits/field/internal.h"
+#include "fits/field/models.h"
 #include "fits/field/name.h"
 #include "fits/io/bitset.h"
 #include "fits/io/output.h"
@@ -16,11 +16,16 @@ enum { HDU_PRIMARY = 1, HDU_GALAXY, HDU_NOISE, HDU_PSF, HDU_CATALOG };
 struct shear_field_writer {
     sf_output out;
     shear_field_spec spec;  /* without its pointers */
+    int terms;              /* of a PSF model */
     int64_t columns;        /* stamps per row of the mosaic */
     sf_bitset stamps, psfs; /* written so far */
 };
 
 /* ---- the specification ---- */
+
+static int model_terms(const shear_field_spec *s) {
+    return s->n_models > 0 ? s->models[0].terms : 0;
+}
 
 static int bad_spec(sf_place at, const char *what, shear_error *err) {
     return sf_fail(err, SHEAR_E_SETTING, at, NULL, "cannot be made: %s", what);
@@ -48,8 +53,13 @@ static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err)
         {inside(s->n_stamps, 1, INT32_MAX), "the number of stamps must be 1 to 2147483647"},
         {inside(s->noise_planes, 0, SHEAR_MAX_NOISE_PLANES),
          "there must be 1 to 64 noise stamps per galaxy"},
-        {s->n_psf == 1 || s->n_psf == s->n_stamps || (has_ids && inside(s->n_psf, 1, INT32_MAX)),
+        {s->n_psf == 1 || s->n_psf == s->n_stamps || s->n_models > 0 ||
+             (has_ids && inside(s->n_psf, 1, INT32_MAX)),
          "there must be one PSF, or one per stamp, or a column PSF_ID"},
+        {s->n_models == 0 || s->n_psf == (int64_t)s->n_models * model_terms(s),
+         "there must be a PSF image for every term of every model"},
+        {(s->n_models > 0) == ((s->columns & SHEAR_COL_PSF_TERMS) != 0),
+         "PSF models and the column PSF_TERMS belong together"},
         {s->layout == SHEAR_LAYOUT_CUBE || s->layout == SHEAR_LAYOUT_MOSAIC,
          "the layout is neither cube nor mosaic"},
         {inside(s->mosaic_columns, 0, s->n_stamps),
@@ -90,6 +100,8 @@ static int write_primary(shear_field_writer *w, const shear_field_spec *spec, sh
     if (spec->name != NULL)
         fits_write_key_longstr(f, "FIELD", spec->name, "name of the field", &status);
     sf_output_double(f, "PIXSCALE", spec->pixscale, "[arcsec] per pixel", &status);
+    if (spec->frame != SHEAR_FRAME_PIXEL)
+        fits_write_key_str(f, "FRAME", shear_frame_name(spec->frame), "axes of the shear", &status);
     if (spec->has_truth) {
         sf_output_double(f, "SIM_G1", spec->sim_g1, "true shear of the mock", &status);
         sf_output_double(f, "SIM_G2", spec->sim_g2, "true shear of the mock", &status);
@@ -142,12 +154,19 @@ static int create_psf(shear_field_writer *w, shear_error *err) {
 static int create_catalog(shear_field_writer *w, shear_error *err) {
     sf_layout l = {0};
     int status = 0;
-    sf_layout_add_columns(&l, w->spec.columns);
+    sf_layout_add_columns(&l, w->spec.columns, w->terms);
     if (l.n == 0)
         return SHEAR_OK;
     fits_create_tbl(w->out.fits, BINARY_TBL, w->spec.n_stamps, l.n, l.names, l.forms, l.units,
                     "CATALOG", &status);
     return result(w, "CATALOG", status, err);
+}
+
+static int create_models(shear_field_writer *w, const shear_field_spec *spec, shear_error *err) {
+    int status = 0;
+    if (spec->n_models > 0)
+        field_models_create(w->out.fits, spec->models, spec->n_models, &status);
+    return result(w, "PSF_MODELS", status, err);
 }
 
 CLEANUP_DEFINE(shear_field_writer, shear_field_abort)
@@ -162,6 +181,8 @@ int shear_field_create(shear_field_writer **writer, const char *path, const shea
     w->out.directory = -1;
     w->spec = *spec;
     w->spec.name = NULL;
+    w->terms = model_terms(spec);
+    w->spec.models = NULL;
     w->spec.history = NULL;
     w->columns = spec->mosaic_columns > 0 ? spec->mosaic_columns
                                           : (int64_t)ceil(sqrt((double)spec->n_stamps));
@@ -173,6 +194,7 @@ int shear_field_create(shear_field_writer **writer, const char *path, const shea
     TRY(create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err));
     TRY(create_psf(w, err));
     TRY(create_catalog(w, err));
+    TRY(create_models(w, spec, err));
     *writer = CLEANUP_TAKE(w);
     return SHEAR_OK;
 }
@@ -202,7 +224,7 @@ static int write_catalog(shear_field_writer *w, int64_t first, int count,
     fits_movabs_hdu(w->out.fits, HDU_CATALOG, NULL, &status);
     int column = 0;
     for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
-        const int type = def->form[0] == 'K' ? TLONGLONG : def->form[0] == 'D' ? TDOUBLE : TINT;
+        const int type = def->form[0] == 'K' ? TLONGLONG : def->form[0] == 'J' ? TINT : TDOUBLE;
         void *values = sf_column_array(c, def->in_rows);
         if ((w->spec.columns & def->bit) == 0)
             continue;
@@ -210,7 +232,8 @@ static int write_catalog(shear_field_writer *w, int64_t first, int count,
             return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){w->out.name, "CATALOG"}, NULL,
                            "no values were given for column %s", def->name);
         }
-        fits_write_col(w->out.fits, type, ++column, first + 1, 1, count, values, &status);
+        const int64_t numbers = (int64_t)count * sf_column_repeat(def, w->terms);
+        fits_write_col(w->out.fits, type, ++column, first + 1, 1, numbers, values, &status);
     }
     return result(w, "CATALOG", status, err);
 }

@@ -171,25 +171,38 @@ int sf_table_find(const sf_table *t, const char *name, const sf_column **column,
     return SHEAR_OK;
 }
 
-int sf_table_find_number(const sf_table *t, const char *name, const sf_column **column,
-                         shear_error *err) {
+static int wrong_type(const sf_table *t, const sf_column *c, int repeat, shear_error *err) {
+    char wanted[48] = "one number";
+    if (repeat != 1)
+        snprintf(wanted, sizeof wanted, "%s%d numbers", repeat == 0 ? "1 to " : "",
+                 repeat == 0 ? SF_REPEAT : repeat);
+    return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
+                   "column %s must hold %s per row (TFORM B, I, J, K, E, D or L), but %s", c->name,
+                   wanted,
+                   c->type == 'P' || c->type == 'Q' ? "has a variable length"
+                   : c->type == 'A'                 ? "holds strings"
+                   : c->repeat != repeat            ? "has another repeat count"
+                                                    : "has another type");
+}
+
+int sf_table_find_numbers(const sf_table *t, const char *name, int repeat, const sf_column **column,
+                          shear_error *err) {
     TRY(sf_table_find(t, name, column, err));
     const sf_column *c = *column;
     if (c == NULL)
         return SHEAR_OK;
-    if (strchr("LBIJKED", c->type) == NULL || c->repeat != 1) {
-        return sf_fail(
-            err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
-            "column %s must hold one number per row (TFORM B, I, J, K, E, D or L), but %s", name,
-            c->type == 'P' || c->type == 'Q' ? "has a variable length"
-            : c->type == 'A'                 ? "holds strings"
-            : c->repeat != 1                 ? "has another repeat count"
-                                             : "has another type");
-    }
+    const bool fits = repeat == 0 ? c->repeat >= 1 && c->repeat <= SF_REPEAT : c->repeat == repeat;
+    if (strchr("LBIJKED", c->type) == NULL || !fits)
+        return wrong_type(t, c, repeat, err);
     return c->by.wrong == NULL ? SHEAR_OK
                                : sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL,
                                          "column %s: its keyword TSCALn, TZEROn or TNULLn %s",
                                          c->name, c->by.wrong);
+}
+
+int sf_table_find_number(const sf_table *t, const char *name, const sf_column **column,
+                         shear_error *err) {
+    return sf_table_find_numbers(t, name, 1, column, err);
 }
 
 /* ---- rows, converted and scaled ---- */
@@ -224,7 +237,7 @@ static stored_cell integer_of(const sf_scaling *by, int64_t v) {
 }
 
 static stored_cell stored_cell_of(const sf_column *c, const unsigned char *bytes) {
-    const uint64_t bits = sf_bits_big_endian(bytes, c->width);
+    const uint64_t bits = sf_bits_big_endian(bytes, c->width / c->repeat);
     switch (c->type) {
     case 'L':
         return (stored_cell){.integer = bits == 'T' ? 1 : 0,
@@ -276,12 +289,16 @@ static int64_t as_integer(const sf_scaling *by, stored_cell c, int64_t undefined
     return v == floor(v) && fabs(v) < 0x1p63 ? (int64_t)v : undefined; /* NaN fails both tests */
 }
 
+/* Convert the numbers of row `i` of the output. */
 static void put(const sink *s, int64_t i, const unsigned char *bytes) {
-    const stored_cell c = stored_cell_of(s->column, bytes);
-    if (s->doubles != NULL) {
-        s->doubles[i] = as_double(&s->column->by, c);
-    } else {
-        s->integers[i] = as_integer(&s->column->by, c, s->undefined);
+    const int64_t repeat = s->column->repeat;
+    for (int64_t k = 0; k < repeat; k++) {
+        const stored_cell c = stored_cell_of(s->column, bytes + k * s->column->width / repeat);
+        if (s->doubles != NULL) {
+            s->doubles[i * repeat + k] = as_double(&s->column->by, c);
+        } else {
+            s->integers[i * repeat + k] = as_integer(&s->column->by, c, s->undefined);
+        }
     }
 }
 

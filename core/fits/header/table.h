@@ -48,9 +48,13 @@ int sf_table_find(const sf_table *t, const char *name, const sf_column **column,
  * TNULLn. */
 int sf_table_find_number(const sf_table *t, const char *name, const sf_column **column,
                          shear_error *err);
+/* The same for `repeat` numbers per row; 0: any number up to SF_REPEAT. */
+enum { SF_REPEAT = 256 };
+int sf_table_find_numbers(const sf_table *t, const char *name, int repeat, const sf_column **column,
+                          shear_error *err);
 
-/* Read rows [first, first + count) of a column of numbers; logicals are 0 and 1. Undefined values
- * (TNULLn, and logicals that are neither) are NaN. */
+/* Read rows [first, first + count) of a column of numbers (all of a row's, in order); logicals are
+ * 0 and 1. Undefined values (TNULLn, and logicals that are neither) are NaN. */
 int sf_table_doubles(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
                      double *out, shear_error *err);
 /* The same as integers, exact if the column holds integers. Undefined values, and those that are

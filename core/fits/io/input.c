@@ -11,8 +11,18 @@ const char *shear_part_name(int part) {
     return part >= 0 && part < SHEAR_N_PARTS ? names[part] : "unknown";
 }
 
+bool shear_input_is_exposure(const shear_input *input) {
+    return input->path == NULL && input->parts[SHEAR_PART_IMAGE].path != NULL;
+}
+
+const char *shear_input_name(const shear_input *input) {
+    const int part =
+        shear_input_is_exposure(input) ? (int)SHEAR_PART_IMAGE : (int)SHEAR_PART_GALAXY;
+    return input->path != NULL ? input->path : input->parts[part].path;
+}
+
 shear_input shear_input_of_file(const char *path) {
-    shear_input input = {.path = path};
+    shear_input input = {.path = path, .exposure = {.origin = 1}};
     for (int i = 0; i < SHEAR_N_PARTS; i++)
         input.parts[i].hdu = -1;
     return input;

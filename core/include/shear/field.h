@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /**
  * @file shear/field.h
- * Field files (docs/field-files.md): a streaming reader and a streaming writer.
+ * Fields: a streaming reader of stamp pairs, whatever lies behind them (a field file,
+ * docs/field-files.md; its parts in separate files; an exposure, docs/exposures.md), and a
+ * streaming writer of field files.
  *
  * The reader opens the file itself (regular files only), never through CFITSIO's extended file-name
  * syntax, and checks every dimension against the file's size before it allocates memory. Memory is
@@ -24,7 +26,7 @@
 
 SHEAR_BEGIN_C
 
-/** An open field file. */
+/** An open field. */
 typedef struct shear_field shear_field;
 
 /** How stamps lie in an image HDU. */
@@ -37,20 +39,28 @@ enum shear_layout {
 enum shear_psf_layout {
     SHEAR_PSF_ONE = 0,   /**< one image for all */
     SHEAR_PSF_PER_STAMP, /**< image i belongs to stamp i */
-    SHEAR_PSF_BY_ID      /**< column PSF_ID has the number of the image */
+    SHEAR_PSF_BY_ID,     /**< column PSF_ID has the number of the image */
+    SHEAR_PSF_MODELS     /**< column PSF_ID has the number of the model, PSF_TERMS its coefficients;
+                            the images are the models' planes */
 };
 
 /** Columns of the CATALOG table that a file has. */
 enum shear_column {
-    SHEAR_COL_ID = 1u << 0,     /**< the caller's own number of the galaxy */
-    SHEAR_COL_X = 1u << 1,      /**< position, pixels */
-    SHEAR_COL_Y = 1u << 2,      /**< position, pixels */
-    SHEAR_COL_RA = 1u << 3,     /**< right ascension, degrees */
-    SHEAR_COL_DEC = 1u << 4,    /**< declination, degrees */
-    SHEAR_COL_WEIGHT = 1u << 5, /**< weight */
-    SHEAR_COL_PSF_ID = 1u << 6, /**< number of its PSF image, from 0 */
-    SHEAR_COL_R_GAL = 1u << 7,  /**< radius R_G for the filter, pixels */
-    SHEAR_COL_FLAGS = 1u << 8   /**< not 0: the stamp is left out */
+    SHEAR_COL_ID = 1u << 0,       /**< the caller's own number of the galaxy */
+    SHEAR_COL_X = 1u << 1,        /**< position, pixels */
+    SHEAR_COL_Y = 1u << 2,        /**< position, pixels */
+    SHEAR_COL_RA = 1u << 3,       /**< right ascension, degrees */
+    SHEAR_COL_DEC = 1u << 4,      /**< declination, degrees */
+    SHEAR_COL_WEIGHT = 1u << 5,   /**< weight */
+    SHEAR_COL_PSF_ID = 1u << 6,   /**< number of its PSF image, from 0 */
+    SHEAR_COL_R_GAL = 1u << 7,    /**< radius R_G for the filter, pixels */
+    SHEAR_COL_FLAGS = 1u << 8,    /**< not 0: the stamp is left out */
+    SHEAR_COL_JACOBIAN = 1u << 9, /**< du/dx, du/dy, dv/dx, dv/dy, arcsec per pixel: shear_stamps */
+    SHEAR_COL_PSF_TERMS = 1u << 10, /**< coefficients of its PSF model */
+    SHEAR_COL_GF1 =
+        1u << 12, /**< the shear that the optics' distortion makes, in the pixel frame */
+    SHEAR_COL_GF2 = 1u << 13,    /**< the same, other component */
+    SHEAR_COL_DROPPED = 1u << 11 /**< bits of enum shear_flag that the reader has found */
 };
 
 enum {
@@ -61,13 +71,17 @@ enum {
 typedef struct shear_field_info {
     char name[SHEAR_FIELD_NAME_SIZE]; /**< FIELD, or the file's base name without .fits, .gz, .fz;
                       "" if there is no FIELD and the file's name is not a valid field name */
-    double pixscale;                  /**< arcsec per pixel; NaN = not given */
+    double pixscale;                  /**< arcsec per pixel; NaN = not given. Of stamps with
+                                         Jacobians: the median sqrt|det J| */
+    enum shear_frame frame;           /**< of the shear; if not PIXEL, stamps have Jacobians */
     bool has_truth;                   /**< SIM_G1 and SIM_G2 are both given */
     double sim_g1;                    /**< true g1 of a simulated field */
     double sim_g2;                    /**< true g2 */
     shear_geometry geometry;          /**< sides of stamps and PSF */
     int64_t n_stamps;                 /**< galaxies */
-    int64_t n_psf;                    /**< PSF images */
+    int64_t n_psf;                    /**< PSF images, or planes of models */
+    int n_models;                     /**< PSF models: shear_field_get_models(); 0: images */
+    int psf_terms;                    /**< coefficients of a model */
     int noise_planes;                 /**< noise stamps per galaxy */
     enum shear_layout layout;         /**< of GALAXY */
     enum shear_psf_layout psf_layout; /**< which PSF image belongs to a stamp */
@@ -108,6 +122,10 @@ void shear_field_close(shear_field *field);
 /** Return the properties of the field; valid while it is open. */
 const shear_field_info *shear_field_get_info(const shear_field *field);
 
+/** Set *models to the PSF models, valid while the field is open, and return their number; 0: the
+ * PSFs are images. */
+int shear_field_get_models(const shear_field *field, const shear_psf_model **models);
+
 /** Check that the field at `path` has a name, for callers that need one. SHEAR_E_FORMAT, with the
  * reason, if it has none. */
 int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err);
@@ -123,14 +141,19 @@ typedef struct shear_block {
     int64_t *psf_id;     /**< [capacity] scratch: the number in the file of each PSF image */
     /** [capacity] column ID, or NULL if the file does not have it; so for all below. */
     int64_t *id;
-    double *x;      /**< [capacity] column X */
-    double *y;      /**< [capacity] column Y */
-    double *ra;     /**< [capacity] column RA */
-    double *dec;    /**< [capacity] column DEC */
-    double *weight; /**< [capacity] column WEIGHT */
-    double *r_gal;  /**< [capacity] column R_GAL */
-    int32_t *mask;  /**< [capacity] column FLAGS */
-    void *memory;   /**< what shear_block_free() frees; NULL if the caller owns the memory */
+    double *x;         /**< [capacity] column X */
+    double *y;         /**< [capacity] column Y */
+    double *ra;        /**< [capacity] column RA */
+    double *dec;       /**< [capacity] column DEC */
+    double *weight;    /**< [capacity] column WEIGHT */
+    double *r_gal;     /**< [capacity] column R_GAL */
+    int32_t *mask;     /**< [capacity] column FLAGS */
+    double *gf1;       /**< [capacity] column GF1 */
+    double *gf2;       /**< [capacity] column GF2 */
+    double *jacobian;  /**< [capacity][4] column JACOBIAN */
+    double *psf_terms; /**< [capacity][info.psf_terms] column PSF_TERMS */
+    uint32_t *dropped; /**< [capacity] column DROPPED */
+    void *memory;      /**< what shear_block_free() frees; NULL if the caller owns the memory */
 } shear_block;
 /** Allocate a block for `capacity` pairs; *block is NULL on error. */
 int shear_block_new(shear_block **block, const shear_field_info *info, int capacity,
@@ -153,15 +176,16 @@ size_t shear_psf_bytes(const shear_field_info *info);
 int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
                      shear_error *err);
 
-/** Read PSF image number `index`, from 0, into out[psf_ny][psf_nx]. */
+/** Read PSF image number `index`, from 0, into out[psf_ny][psf_nx]. Of models it is term index %
+ * terms of model index / terms, in the lower left corner. */
 int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err);
 
 /** The largest size in bytes that a gzipped file may unpack to, unless the environment variable
  * SHEAR_UNPACK_LIMIT overrides it. */
 #define SHEAR_UNPACK_LIMIT (INT64_C(64) << 30)
-/** Have gzipped files unpacked into these n files, at most SHEAR_N_PARTS: empty, open for writing, one for each
- * gzipped file. For a process that may not create a temporary file in $TMPDIR or /tmp. Call it
- * once, before any field is opened; the library owns the descriptors from then on. */
+/** Have gzipped files unpacked into these n files, at most SHEAR_N_PARTS: empty, open for writing,
+ * one for each gzipped file. For a process that may not create a temporary file in $TMPDIR or /tmp.
+ * Call it once, before any field is opened; the library owns the descriptors from then on. */
 void shear_field_use_scratch(const int *fds, int n);
 
 /** Sizes of checksum texts. */
@@ -201,34 +225,44 @@ typedef struct shear_field_writer shear_field_writer;
 
 /** The specification of a field file to be written. */
 typedef struct shear_field_spec {
-    const char *name;           /**< FIELD, or NULL */
-    double pixscale;            /**< arcsec per pixel; NaN = leave out */
-    bool has_truth;             /**< write SIM_G1 and SIM_G2 */
-    double sim_g1;              /**< true g1 of a simulated field */
-    double sim_g2;              /**< true g2 */
-    shear_geometry geometry;    /**< sides of stamps and PSF */
-    int64_t n_stamps;           /**< galaxies */
-    int64_t n_psf;              /**< 1, n_stamps, or fewer with SHEAR_COL_PSF_ID */
-    int noise_planes;           /**< noise stamps per galaxy; 0 = 1 */
-    enum shear_layout layout;   /**< of GALAXY and NOISE */
-    int mosaic_columns;         /**< stamps per row of a mosaic; 0 = about square */
-    unsigned columns;           /**< of CATALOG: bits of enum shear_column; 0 = no table */
-    int bitpix;                 /**< of the stamps and the PSF: -32 or -64 */
-    bool overwrite;             /**< replace an existing file */
-    const char *const *history; /**< lines for HISTORY, ended by NULL, or NULL */
+    const char *name;              /**< FIELD, or NULL */
+    double pixscale;               /**< arcsec per pixel; NaN = leave out */
+    bool has_truth;                /**< write SIM_G1 and SIM_G2 */
+    double sim_g1;                 /**< true g1 of a simulated field */
+    double sim_g2;                 /**< true g2 */
+    shear_geometry geometry;       /**< sides of stamps and PSF */
+    int64_t n_stamps;              /**< galaxies */
+    int64_t n_psf;                 /**< 1, n_stamps, or fewer with SHEAR_COL_PSF_ID */
+    int noise_planes;              /**< noise stamps per galaxy; 0 = 1 */
+    enum shear_layout layout;      /**< of GALAXY and NOISE */
+    int mosaic_columns;            /**< stamps per row of a mosaic; 0 = about square */
+    const shear_psf_model *models; /**< [n_models] PSF models, whose planes are the PSF images; all
+                                      of the same number of terms, and no larger than the geometry's
+                                      PSF; or NULL */
+    int n_models;                  /**< number of models; 0: the PSFs are images */
+    enum shear_frame frame;        /**< of the shear */
+    unsigned columns;              /**< of CATALOG: bits of enum shear_column; 0 = no table */
+    int bitpix;                    /**< of the stamps and the PSF: -32 or -64 */
+    bool overwrite;                /**< replace an existing file */
+    const char *const *history;    /**< lines for HISTORY, ended by NULL, or NULL */
 } shear_field_spec;
 
 /** Rows of the CATALOG table: arrays of [count], NULL if the column is not in the spec. */
 typedef struct shear_catalog_columns {
-    const int64_t *id;     /**< column ID */
-    const double *x;       /**< column X */
-    const double *y;       /**< column Y */
-    const double *ra;      /**< column RA */
-    const double *dec;     /**< column DEC */
-    const double *weight;  /**< column WEIGHT */
-    const double *r_gal;   /**< column R_GAL */
-    const int32_t *psf_id; /**< column PSF_ID */
-    const int32_t *flags;  /**< column FLAGS */
+    const int64_t *id;       /**< column ID */
+    const double *x;         /**< column X */
+    const double *y;         /**< column Y */
+    const double *ra;        /**< column RA */
+    const double *dec;       /**< column DEC */
+    const double *weight;    /**< column WEIGHT */
+    const double *r_gal;     /**< column R_GAL */
+    const int32_t *psf_id;   /**< column PSF_ID */
+    const int32_t *flags;    /**< column FLAGS */
+    const double *gf1;       /**< column GF1 */
+    const double *gf2;       /**< column GF2 */
+    const double *jacobian;  /**< [count][4] column JACOBIAN */
+    const double *psf_terms; /**< [count][terms] column PSF_TERMS */
+    const uint32_t *dropped; /**< column DROPPED */
 } shear_catalog_columns;
 
 /** Create the field file `path`. It appears under its name only after shear_field_finish()

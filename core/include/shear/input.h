@@ -12,8 +12,10 @@
 #ifndef SHEAR_INPUT_H
 #define SHEAR_INPUT_H
 
+#include "shear/error.h"
 #include "shear/linkage.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -80,12 +82,34 @@ typedef struct shear_exposure {
                                            0 = sky if the image has a WCS, else pixel */
 } shear_exposure;
 
+/** Numbers of options. */
+enum {
+    SHEAR_N_EXPOSURE_OPTIONS = 10 /**< number of options of an exposure */
+};
+/** Set an option by its name, as in --NAME of shearctl and in object `exposure` of jobs:
+ * weight-kind, mask-bad, columns, origin, select, psf-kind, stamp, noise (near or white),
+ * noise-stamps, frame. Texts are borrowed. SHEAR_E_SETTING names the option, the given text and
+ * what is expected. */
+int shear_exposure_set(shear_exposure *e, const char *name, const char *text, shear_error *err);
+/** Return the text that sets an option to its value, in `number` (of 24 bytes) for numbers; NULL if
+ * it is the default, or there is no such option. */
+const char *shear_exposure_get(const shear_exposure *e, const char *name, char *number);
+/** Return the name of option `i`, from 0; NULL beyond the last. */
+const char *shear_exposure_option(int i);
+
 /** The place of a field. Paths and names are borrowed. */
 typedef struct shear_input {
     const char *path;                      /**< of a field file; NULL: the parts are given */
     shear_input_part parts[SHEAR_N_PARTS]; /**< by enum shear_part, if path is NULL */
     shear_exposure exposure;               /**< if the image is given */
 } shear_input;
+
+/** Return whether the input is an exposure: SHEAR_PART_IMAGE is given. */
+bool shear_input_is_exposure(const shear_input *input);
+
+/** Return the path of the file that gives the field its default name: the field file, the galaxies'
+ * or the image's. */
+const char *shear_input_name(const shear_input *input);
 
 /** Return the input for this field file. The path is borrowed. */
 shear_input shear_input_of_file(const char *path);

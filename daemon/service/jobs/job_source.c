@@ -30,23 +30,22 @@ static int open_file(const service *s, const access_peer *peer, const char *path
 
 int source_files_open(const service *s, const access_peer *peer, const sheard_msg_source *source,
                       source_files *files, shear_error *err) {
-    const sheard_msg_image *const wanted[SHEAR_N_PARTS] = {&source->galaxy, &source->noise,
-                                                           &source->psf, &source->catalog};
-    sheard_msg_image *const named[SHEAR_N_PARTS] = {&files->named.galaxy, &files->named.noise,
-                                                    &files->named.psf, &files->named.catalog};
+    sheard_msg_image *named[SHEAR_N_PARTS];
     *files = (source_files)SOURCE_FILES_NONE;
     files->part = -1;
+    files->named = *source;
     if (source->path != NULL) {
         TRY(open_file(s, peer, source->path, files, 0, err));
         files->named.path = files->paths[0];
         return SHEAR_OK;
     }
+    sheard_source_parts(&files->named, named);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         files->part = i;
-        if (wanted[i]->path == NULL)
+        if (named[i]->path == NULL)
             continue;
-        TRY(open_file(s, peer, wanted[i]->path, files, i, err));
-        *named[i] = (sheard_msg_image){files->paths[i], wanted[i]->hdu, wanted[i]->extname};
+        TRY(open_file(s, peer, named[i]->path, files, i, err));
+        named[i]->path = files->paths[i];
     }
     return SHEAR_OK;
 }

@@ -22,9 +22,10 @@ typedef struct source_files {
     int part;                   /* after an error: the one that failed; -1: the field file */
 } source_files;
 
+_Static_assert(SHEAR_N_PARTS == 9, "as many as in SOURCE_FILES_NONE");
 #define SOURCE_FILES_NONE                                                                          \
     {                                                                                              \
-        .fds = { -1, -1, -1, -1 }                                                                  \
+        .fds = { -1, -1, -1, -1, -1, -1, -1, -1, -1 }                                              \
     }
 
 /* Check a file's size, without reading it. SHEAR_OK or JOB_SOURCE_E_TOO_LARGE. fd < 0: not open,

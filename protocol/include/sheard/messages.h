@@ -35,7 +35,8 @@ enum {
     SHEARD_MSG_PRIORITY_MAX = 100,
     SHEARD_MSG_HDU_MAX = 9999,
     SHEARD_MSG_EXTNAME_MAX = 68,
-    SHEARD_MSG_WAIT_MAX = 86400, /* seconds */
+    SHEARD_MSG_OPTION_MAX = 4095, /* an option of an exposure: a row expression, ... */
+    SHEARD_MSG_WAIT_MAX = 86400,  /* seconds */
     SHEARD_MSG_JOB_FILE_MAX = 65536,
     SHEARD_MSG_SETTINGS_SIZE = 2048 /* canonical settings, with the NUL */
 };
@@ -124,14 +125,28 @@ typedef struct sheard_msg_image {
     const char *extname; /* NULL: given by number, or the default */
 } sheard_msg_image;
 
-/* The files of a job: either one field file, or the three images, with or without a catalog. */
+/* An exposure: its files, and the options of shear_exposure_set(), NULL or -1 if not given. */
+typedef struct sheard_msg_exposure {
+    sheard_msg_image image, sources, psf; /* all three are there, or none */
+    sheard_msg_image weight, mask, segmentation, wcs, noise_image;
+    const char *weight_kind, *mask_bad, *columns, *select, *psf_kind, *noise, *frame;
+    int64_t origin, stamp, noise_stamps;
+} sheard_msg_exposure;
+
+/* The files of a job: one field file; or the three images, with or without a catalog; or an
+ * exposure. */
 typedef struct sheard_msg_source {
     const char *path;
     sheard_msg_image galaxy, noise, psf, catalog;
+    sheard_msg_exposure exposure; /* absent if its image has no path */
 } sheard_msg_source;
 
+/* Set parts[] to the source's files, by enum shear_part. */
+void sheard_source_parts(sheard_msg_source *source, sheard_msg_image *parts[SHEAR_N_PARTS]);
 /* Convert to the library's struct. The strings stay the source's. */
 shear_input sheard_source_input(const sheard_msg_source *source);
+/* Set the source to this input. The strings stay the input's. */
+void sheard_source_set(sheard_msg_source *source, const shear_input *input);
 
 /* ---- Requests ---- */
 

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "survey/chip_stamps.h"
+
+#include "base/arena.h"
+#include "base/cleanup.h"
+#include "shear/stamp.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Positions of all sources, in both systems as far as known: [n], NaN if unknown. */
+typedef struct places {
+    double *x, *y, *ra, *dec;
+    void *memory;
+} places;
+
+static void places_deinit(places *p) {
+    free(p->memory);
+}
+
+static void place_places(places *p, size_t n, arena *a) {
+    double **const arrays[] = {&p->x, &p->y, &p->ra, &p->dec};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        *arrays[i] = arena_doubles(a, n);
+}
+
+static void fill(double *out, const double *from, int64_t n) {
+    for (int64_t i = 0; i < n; i++)
+        out[i] = from != NULL ? from[i] : NAN;
+}
+
+/* Take the positions that the catalog has, and convert them to the other system. */
+static bool places_init(places *p, const chip_inputs *in) {
+    const source_list *s = in->sources;
+    arena a = {0};
+    *p = (places){0};
+    place_places(p, (size_t)s->n, &a);
+    p->memory = arena_allocate(&a);
+    if (p->memory == NULL)
+        return false;
+    place_places(p, (size_t)s->n, &a);
+    fill(p->x, s->x, s->n);
+    fill(p->y, s->y, s->n);
+    fill(p->ra, NULL, s->n);
+    fill(p->dec, NULL, s->n);
+    if (s->x == NULL && s->ra != NULL && in->map != NULL)
+        sky_map_to_pixel(in->map, s->n, s->ra, s->dec, p->x, p->y);
+    if (in->map != NULL)
+        sky_map_to_sky(in->map, s->n, p->x, p->y, p->ra, p->dec);
+    return true;
+}
+
+static bool is_inside(const chip_inputs *in, double x, double y) {
+    return x >= 0.5 && x < in->nx + 0.5 && y >= 0.5 && y < in->ny + 0.5; /* NaN is not */
+}
+
+static bool is_wanted(const chip_inputs *in, const places *p, int64_t i) {
+    return in->sources->selected[i] != 0 && (!in->only_inside || is_inside(in, p->x[i], p->y[i]));
+}
+
+static int64_t count_wanted(const chip_inputs *in, const places *p) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < in->sources->n; i++)
+        n += is_wanted(in, p, i);
+    return n;
+}
+
+static void place_arrays(chip_stamps *s, const source_list *l, size_t n, arena *a) {
+    s->id = arena_take(a, n * sizeof *s->id);
+    s->x = arena_doubles(a, n);
+    s->y = arena_doubles(a, n);
+    s->ra = arena_doubles(a, n);
+    s->dec = arena_doubles(a, n);
+    s->weight = l->weight != NULL ? arena_doubles(a, n) : NULL;
+    s->r_gal = l->r_gal != NULL ? arena_doubles(a, n) : NULL;
+    s->jacobian = arena_take(a, n * sizeof *s->jacobian);
+    s->psf_terms = arena_doubles(a, n * (size_t)s->terms);
+    s->flags = arena_take(a, n * sizeof *s->flags);
+    s->shapes = arena_take(a, (size_t)l->n * sizeof *s->shapes);
+}
+
+static bool allocate(chip_stamps *s, const chip_inputs *in, int64_t wanted) {
+    arena a = {0};
+    s->terms = psf_models_get(in->psf, in->model)->terms;
+    place_arrays(s, in->sources, (size_t)wanted, &a);
+    s->memory = arena_allocate(&a);
+    if (s->memory == NULL)
+        return false;
+    place_arrays(s, in->sources, (size_t)wanted, &a);
+    return true;
+}
+
+static void add_stamp(chip_stamps *s, const chip_inputs *in, const places *p, int64_t i) {
+    const source_list *l = in->sources;
+    const int64_t k = s->n++;
+    const psf_place place = {.x = p->x[i],
+                             .y = p->y[i],
+                             .ra = p->ra[i],
+                             .dec = p->dec[i],
+                             .context = l->context + i * l->n_contexts};
+    s->id[k] = l->id[i];
+    s->x[k] = p->x[i];
+    s->y[k] = p->y[i];
+    s->ra[k] = p->ra[i];
+    s->dec[k] = p->dec[i];
+    if (s->weight != NULL)
+        s->weight[k] = l->weight[i];
+    if (s->r_gal != NULL)
+        s->r_gal[k] = l->r_gal[i];
+    const bool inside = is_inside(in, p->x[i], p->y[i]);
+    bool mapped = in->map == NULL;
+    for (int c = 0; c < 4; c++)
+        s->jacobian[k][c] = NAN;
+    if (in->map != NULL && inside)
+        mapped = sky_map_jacobian(in->map, p->x[i], p->y[i], s->jacobian[k]);
+    if (!inside || !mapped) {
+        s->flags[k] = SHEAR_FLAG_NO_POSITION;
+    } else if (!psf_models_terms(in->psf, in->model, &place, s->psf_terms + k * s->terms)) {
+        s->flags[k] = SHEAR_FLAG_PSF_UNUSABLE;
+    }
+}
+
+/* Keep the ellipses of all sources with one, as owners of pixels: they hide their neighbours' sky,
+ * measured or not. */
+static void add_shapes(chip_stamps *s, const source_list *l, const places *p) {
+    static const double degree = M_PI / 180.0;
+    for (int64_t i = 0; i < l->n && l->a != NULL; i++) {
+        if (!(l->a[i] > 0.0 && l->b[i] > 0.0) || !isfinite(p->x[i] + p->y[i]))
+            continue;
+        s->shapes[s->n_shapes++] = (object_shape){.x = p->x[i] - 1.0,
+                                                  .y = p->y[i] - 1.0,
+                                                  .a = l->a[i],
+                                                  .b = l->b[i],
+                                                  .theta = l->theta[i] * degree,
+                                                  .owner = (int32_t)(i + 1)};
+    }
+}
+
+int chip_stamps_init(chip_stamps *s, const chip_inputs *in, shear_error *err) {
+    CLEANUP(places_deinit) places p;
+    *s = (chip_stamps){0};
+    if (!places_init(&p, in) || !allocate(s, in, count_wanted(in, &p)))
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the sources of a chip");
+    for (int64_t i = 0; i < in->sources->n; i++) {
+        if (is_wanted(in, &p, i))
+            add_stamp(s, in, &p, i);
+    }
+    add_shapes(s, in->sources, &p);
+    return SHEAR_OK;
+}
+
+void chip_stamps_deinit(chip_stamps *s) {
+    free(s->memory);
+    *s = (chip_stamps){0};
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* survey/chip_stamps.h: the galaxies of one chip that are to be measured: their places in pixels
+ * and on the sky, Jacobians, and coefficients of the PSF. */
+#pragma once
+
+#include "survey/pixels/chip_pixels.h"
+#include "survey/psf/psf_models.h"
+#include "survey/sources/source_list.h"
+#include "survey/wcs/sky_map.h"
+
+/* Arrays of [n]. */
+typedef struct chip_stamps {
+    int64_t n;
+    int64_t *id;
+    double *x, *y;    /* pixels, from 1 */
+    double *ra, *dec; /* degrees; NaN without a sky map */
+    double *weight;   /* NULL if the catalog has none, like r_gal */
+    double *r_gal;
+    double (*jacobian)[4]; /* NaN without a sky map */
+    double *psf_terms;     /* [n][terms] */
+    uint32_t *flags;       /* enum shear_flag: no place, no PSF there */
+    int terms;
+    object_shape *shapes; /* [n_shapes] of all sources of the catalog, measured or not */
+    int64_t n_shapes;
+    void *memory; /* of all arrays; owned */
+} chip_stamps;
+
+/* What a chip's stamps are made from. */
+typedef struct chip_inputs {
+    source_list *sources;
+    sky_map *map; /* NULL: the image has no WCS */
+    const psf_models *psf;
+    int model;
+    int nx, ny;       /* of the chip */
+    bool only_inside; /* the catalog covers more than this chip: leave out what is not on it */
+} chip_inputs;
+
+/* Make the stamps. SHEAR_E_NOMEM. Call chip_stamps_deinit after an error, too. */
+int chip_stamps_init(chip_stamps *s, const chip_inputs *in, shear_error *err);
+void chip_stamps_deinit(chip_stamps *s);

@@ -1,0 +1,457 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "survey/exposure.h"
+
+#include "base/cleanup.h"
+#include "base/sort.h"
+#include "common/release.h"
+#include "fits/field/name.h"
+#include "fits/field/reader.h"
+#include "survey/chip_match.h"
+#include "survey/chip_stamps.h"
+#include "survey/cutout/cutter.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { DEFAULT_STAMP = 64 };
+
+/* A chip, as far as it is known without its pixels. */
+typedef struct exposure_chip {
+    chip_stamps stamps;
+    int64_t first; /* number of its first stamp */
+    int model;     /* of the PSF */
+} exposure_chip;
+
+/* The chip whose pixels are held. */
+typedef struct held_chip {
+    chip_pixels *pixels;
+    chip_pixels *noise; /* of the noise image; NULL: there is none */
+    cutter *cutter;
+    int chip; /* -1: none */
+} held_chip;
+
+typedef struct exposure {
+    shear_field base; /* the first member: a shear_field is one of these */
+    shear_exposure options;
+    exposure_images *images, *noise_images; /* the second: of SHEAR_NOISE_IMAGE */
+    psf_models *psf;
+    exposure_chip *chips; /* [n_chips] */
+    int n_chips;
+    held_chip held;
+} exposure;
+
+static exposure *exposure_of(shear_field *field) {
+    return (exposure *)field;
+}
+
+/* ---- the pixels of one chip at a time ---- */
+
+static void let_go(held_chip *h) {
+    cutter_free(h->cutter);
+    chip_pixels_close(h->noise);
+    chip_pixels_close(h->pixels);
+    *h = (held_chip){.chip = -1};
+}
+
+/* Return R_PSF in the middle of a chip, pixels. */
+static double chip_r_psf(const exposure *e, int chip) {
+    int nx;
+    int ny;
+    double r = NAN;
+    exposure_images_size(e->images, chip, &nx, &ny);
+    const chip_stamps *s = &e->chips[chip].stamps;
+    const shear_psf_model *m = &e->base.models[e->chips[chip].model];
+    int64_t nearest = -1;
+    double least = INFINITY;
+    for (int64_t i = 0; i < s->n; i++) {
+        const double d = hypot(s->x[i] - 0.5 * nx, s->y[i] - 0.5 * ny);
+        if (s->flags[i] == 0 && d < least) {
+            least = d;
+            nearest = i;
+        }
+    }
+    const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
+    return nearest >= 0 && shear_psf_model_radius(m, s->psf_terms + nearest * s->terms, scale, &r,
+                                                  NULL) == SHEAR_OK
+               ? r
+               : 1.5; /* no stamp of this chip can be measured */
+}
+
+static int hold(exposure *e, int chip, shear_error *err) {
+    held_chip *h = &e->held;
+    const chip_stamps *s = &e->chips[chip].stamps;
+    if (h->chip == chip)
+        return SHEAR_OK;
+    let_go(h);
+    const cutter_options options = {.stamp = e->base.info.geometry.nx,
+                                    .noise_stamps = e->base.info.noise_planes,
+                                    .noise = e->options.noise,
+                                    .chip = chip,
+                                    .r_psf_px = chip_r_psf(e, chip)};
+    TRY(chip_pixels_open(&h->pixels, e->images, chip, s->shapes, s->n_shapes, err));
+    if (e->noise_images != NULL)
+        TRY(chip_pixels_open(&h->noise, e->noise_images, chip, NULL, 0, err));
+    TRY(cutter_new(&h->cutter, h->pixels, h->noise, &options, err));
+    h->chip = chip;
+    return SHEAR_OK;
+}
+
+/* ---- blocks of stamps ---- */
+
+static int find_chip(const exposure *e, int64_t stamp) {
+    int chip = 0;
+    while (chip + 1 < e->n_chips && e->chips[chip + 1].first <= stamp)
+        chip++;
+    return chip;
+}
+
+/* Copy what is known without pixels. */
+static void fill_columns(const exposure *e, const chip_stamps *s, int64_t from, int model,
+                         shear_block *b, int to) {
+    b->id[to] = s->id[from];
+    b->x[to] = s->x[from];
+    b->y[to] = s->y[from];
+    b->psf_index[to] = model;
+    memcpy(b->psf_terms + (size_t)to * (size_t)s->terms, s->psf_terms + from * s->terms,
+           (size_t)s->terms * sizeof *b->psf_terms);
+    if (b->weight != NULL)
+        b->weight[to] = s->weight != NULL ? s->weight[from] : 1.0;
+    if (b->r_gal != NULL)
+        b->r_gal[to] = s->r_gal != NULL ? s->r_gal[from] : NAN;
+    if ((e->base.info.columns & SHEAR_COL_JACOBIAN) != 0) {
+        const sky_distortion d = sky_distortion_of(s->jacobian[from]);
+        b->ra[to] = s->ra[from];
+        b->dec[to] = s->dec[from];
+        memcpy(b->jacobian + 4 * (size_t)to, s->jacobian[from], sizeof s->jacobian[from]);
+        b->gf1[to] = d.g1;
+        b->gf2[to] = d.g2;
+    }
+}
+
+static int cut(exposure *e, int64_t stamp, shear_block *b, int to, shear_error *err) {
+    const shear_field_info *info = &e->base.info;
+    const int chip = find_chip(e, stamp);
+    const chip_stamps *s = &e->chips[chip].stamps;
+    const int64_t from = stamp - e->chips[chip].first;
+    const size_t pixels = (size_t)info->geometry.nx * (size_t)info->geometry.ny;
+    const cutter_source source = {.x = s->x[from] - 1.0,
+                                  .y = s->y[from] - 1.0,
+                                  .r_gal = s->r_gal != NULL ? s->r_gal[from] : NAN,
+                                  .id = s->id[from]};
+    cutter_pair pair = {.galaxy = b->galaxy + (size_t)to * pixels,
+                        .noise = b->noise + (size_t)to * (size_t)info->noise_planes * pixels};
+    TRY(hold(e, chip, err));
+    TRY(cutter_cut(e->held.cutter, &source, &pair, err));
+    fill_columns(e, s, from, e->chips[chip].model, b, to);
+    b->dropped[to] = s->flags[from] | pair.flags;
+    return SHEAR_OK;
+}
+
+static int read_block(shear_field *field, int64_t first, int count, shear_block *block,
+                      shear_error *err) {
+    for (int i = 0; i < count; i++)
+        TRY(cut(exposure_of(field), first + i, block, i, err));
+    return SHEAR_OK;
+}
+
+/* ---- opening ---- */
+
+/* What is needed only while an exposure is opened. */
+typedef struct opening {
+    exposure *e;
+    const shear_input *input;
+    const int *fds;
+    source_catalog *catalog;
+    head_file head;
+} opening;
+
+static void opening_deinit(opening *o) {
+    head_file_deinit(&o->head);
+    source_catalog_close(o->catalog);
+}
+
+static const shear_input_part *part_of(const opening *o, enum shear_part part) {
+    return &o->input->parts[part];
+}
+
+static int fd_of(const opening *o, enum shear_part part) {
+    return o->fds != NULL ? o->fds[part] : -1;
+}
+
+static int need_part(const opening *o, enum shear_part part, const char *what, shear_error *err) {
+    return part_of(o, part)->path != NULL
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_FORMAT, "an exposure needs an image, sources and a PSF",
+                            "there is no file of the %s", what);
+}
+
+/* Open the noise image like an exposure's image. */
+static int open_noise(opening *o, shear_error *err) {
+    shear_input input = shear_input_of_file(NULL);
+    int fds[SHEAR_N_PARTS];
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
+        fds[i] = -1;
+    input.parts[SHEAR_PART_IMAGE] = *part_of(o, SHEAR_PART_NOISE);
+    fds[SHEAR_PART_IMAGE] = fd_of(o, SHEAR_PART_NOISE);
+    TRY(need_part(o, SHEAR_PART_NOISE, "noise", err));
+    return exposure_images_open(&o->e->noise_images, &input, o->fds != NULL ? fds : NULL, err);
+}
+
+static int open_files(opening *o, shear_error *err) {
+    exposure *e = o->e;
+    const int stamp = e->base.info.geometry.nx;
+    TRY(need_part(o, SHEAR_PART_CATALOG, "sources", err));
+    TRY(need_part(o, SHEAR_PART_PSF, "PSF", err));
+    TRY(exposure_images_open(&e->images, o->input, o->fds, err));
+    TRY(psf_models_open(&e->psf, part_of(o, SHEAR_PART_PSF), fd_of(o, SHEAR_PART_PSF),
+                        e->options.psf_kind, stamp, err));
+    TRY(source_catalog_open(&o->catalog, part_of(o, SHEAR_PART_CATALOG),
+                            fd_of(o, SHEAR_PART_CATALOG), &e->options, err));
+    if (part_of(o, SHEAR_PART_WCS)->path != NULL) {
+        TRY(head_file_init(&o->head, part_of(o, SHEAR_PART_WCS)->path, fd_of(o, SHEAR_PART_WCS),
+                           err));
+    }
+    return e->options.noise == SHEAR_NOISE_IMAGE ? open_noise(o, err) : SHEAR_OK;
+}
+
+/* Make the sky map of a chip, by the header of its image or that of the .head file. */
+static int map_chip(const opening *o, int chip, sky_map **map, shear_error *err) {
+    int64_t count = 0;
+    const char *cards = exposure_images_header(o->e->images, chip, &count);
+    const char *image = part_of(o, SHEAR_PART_IMAGE)->path;
+    if (o->head.n == 0)
+        return sky_map_new(map, cards, count, image, err);
+    if (o->head.n != 1 && o->head.n != o->e->n_chips) {
+        return shear_fail(err, SHEAR_E_FORMAT, "give a block of cards, ended by END, for each chip",
+                          "file '%s': has %d blocks for %d chips", part_of(o, SHEAR_PART_WCS)->path,
+                          o->head.n, o->e->n_chips);
+    }
+    CLEANUP(release_free)
+    char *merged = head_file_merge(&o->head, o->head.n == 1 ? 0 : chip, cards, &count);
+    return merged != NULL ? sky_map_new(map, merged, count, part_of(o, SHEAR_PART_WCS)->path, err)
+                          : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a header");
+}
+
+static const char *table_name(const void *self, int i) {
+    return source_catalog_chip(self, i);
+}
+
+static const char *model_name(const void *self, int i) {
+    return psf_models_chip(self, i);
+}
+
+/* Find the table of sources and the PSF model of a chip. */
+static int match_chip(const opening *o, int chip, int *table, int *model, shear_error *err) {
+    const exposure *e = o->e;
+    const chip_items tables = {.what = "tables of sources",
+                               .file = part_of(o, SHEAR_PART_CATALOG)->path,
+                               .n = source_catalog_tables(o->catalog),
+                               .name = table_name,
+                               .self = o->catalog};
+    const chip_items models = {.what = "PSF models",
+                               .file = part_of(o, SHEAR_PART_PSF)->path,
+                               .n = psf_models_count(e->psf),
+                               .name = model_name,
+                               .self = e->psf};
+    const char *name = exposure_images_name(e->images, chip);
+    TRY(chip_match(&tables, chip, e->n_chips, name, table, err));
+    return chip_match(&models, chip, e->n_chips, name, model, err);
+}
+
+CLEANUP_DEFINE(sky_map, sky_map_free)
+
+/* A single catalog of several chips says by RA and Dec which source is on which. */
+static int check_positions(const opening *o, const source_list *sources, const sky_map *map,
+                           bool shared, shear_error *err) {
+    const char *file = part_of(o, SHEAR_PART_CATALOG)->path;
+    if (sources->n > 0 && sources->x == NULL && map == NULL) {
+        return shear_fail(err, SHEAR_E_FORMAT,
+                          "give pixel positions (--columns x=...,y=...), or the WCS (--wcs)",
+                          "file '%s': has RA and Dec only, and the image has no WCS", file);
+    }
+    if (shared && sources->n > 0 && sources->ra == NULL) {
+        return shear_fail(err, SHEAR_E_FORMAT,
+                          "give a table for each chip, or RA and Dec (--columns ra=...,dec=...)",
+                          "file '%s': has one table of pixel positions for %d chips", file,
+                          o->e->n_chips);
+    }
+    return SHEAR_OK;
+}
+
+/* Of a catalog for several chips pixel positions mean nothing. */
+static void forget_pixels(source_list *sources) {
+    sources->x = sources->y = NULL;
+}
+
+static int open_chip(opening *o, int chip, shear_error *err) {
+    exposure *e = o->e;
+    exposure_chip *c = &e->chips[chip];
+    int table;
+    const char *const *contexts = NULL;
+    CLEANUP(sky_map_release) sky_map *map = NULL;
+    CLEANUP(source_list_deinit) source_list sources = {0};
+    TRY(match_chip(o, chip, &table, &c->model, err));
+    TRY(map_chip(o, chip, &map, err));
+    const int n_contexts = psf_models_contexts(e->psf, c->model, &contexts);
+    TRY(source_catalog_load(o->catalog, table, contexts, n_contexts, &sources, err));
+    const bool shared = e->n_chips > 1 && source_catalog_tables(o->catalog) == 1;
+    TRY(check_positions(o, &sources, map, shared, err));
+    if (shared)
+        forget_pixels(&sources);
+    chip_inputs in = {
+        .sources = &sources, .map = map, .psf = e->psf, .model = c->model, .only_inside = shared};
+    exposure_images_size(e->images, chip, &in.nx, &in.ny);
+    TRY(chip_stamps_init(&c->stamps, &in, err));
+    c->first = e->base.info.n_stamps;
+    e->base.info.n_stamps += c->stamps.n;
+    if (map == NULL)
+        e->base.info.columns &= ~(unsigned)SHEAR_COL_JACOBIAN;
+    e->base.info.columns |= (c->stamps.weight != NULL ? SHEAR_COL_WEIGHT : 0u) |
+                            (c->stamps.r_gal != NULL ? SHEAR_COL_R_GAL : 0u);
+    return SHEAR_OK;
+}
+
+/* Return the median pixel scale of the stamps, arcsec; NaN without a sky map. */
+static int find_scale(exposure *e, shear_error *err) {
+    double *scales = malloc((size_t)(e->base.info.n_stamps + 1) * sizeof *scales);
+    size_t n = 0;
+    if (scales == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an exposure");
+    for (int c = 0; c < e->n_chips; c++) {
+        for (int64_t i = 0; i < e->chips[c].stamps.n; i++) {
+            const double scale = sky_distortion_of(e->chips[c].stamps.jacobian[i]).scale;
+            if (isfinite(scale))
+                scales[n++] = scale;
+        }
+    }
+    sort_doubles(scales, n);
+    e->base.info.pixscale = n > 0 ? scales[n / 2] : NAN;
+    free(scales);
+    return SHEAR_OK;
+}
+
+static int choose_frame(exposure *e, const char *image, shear_error *err) {
+    shear_field_info *info = &e->base.info;
+    const bool sky = (info->columns & SHEAR_COL_JACOBIAN) != 0 && isfinite(info->pixscale);
+    info->frame = e->options.frame > 0 ? (enum shear_frame)(e->options.frame - 1)
+                  : sky                ? SHEAR_FRAME_SKY
+                                       : SHEAR_FRAME_PIXEL;
+    if (info->frame != SHEAR_FRAME_PIXEL && !sky) {
+        return shear_fail(err, SHEAR_E_FORMAT, "give the WCS (--wcs), or --frame pixel",
+                          "file '%s': has no WCS, which the frame '%s' needs", image,
+                          shear_frame_name(info->frame));
+    }
+    if (sky) {
+        info->columns |= SHEAR_COL_RA | SHEAR_COL_DEC | SHEAR_COL_GF1 | SHEAR_COL_GF2;
+    } else {
+        info->columns &= ~(unsigned)SHEAR_COL_JACOBIAN;
+        info->pixscale = NAN;
+    }
+    return SHEAR_OK;
+}
+
+/* Copy the models' descriptions; their samples remain the PSF file's. */
+static int take_models(exposure *e, shear_error *err) {
+    shear_field_info *info = &e->base.info;
+    info->n_models = psf_models_count(e->psf);
+    info->psf_terms = psf_models_get(e->psf, 0)->terms;
+    info->n_psf = (int64_t)info->n_models * info->psf_terms;
+    e->base.models = calloc((size_t)info->n_models, sizeof *e->base.models);
+    if (e->base.models == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for PSF models");
+    for (int i = 0; i < info->n_models; i++) {
+        const shear_psf_model *m = psf_models_get(e->psf, i);
+        shear_geometry *g = &info->geometry;
+        e->base.models[i] = *m;
+        g->psf_nx = m->nx > g->psf_nx ? m->nx : g->psf_nx;
+        g->psf_ny = m->ny > g->psf_ny ? m->ny : g->psf_ny;
+    }
+    return SHEAR_OK;
+}
+
+static int open_chips(opening *o, shear_error *err) {
+    exposure *e = o->e;
+    const char *image = part_of(o, SHEAR_PART_IMAGE)->path;
+    e->n_chips = exposure_images_chips(e->images);
+    e->chips = calloc((size_t)e->n_chips, sizeof *e->chips);
+    if (e->chips == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d chips", e->n_chips);
+    for (int i = 0; i < e->n_chips; i++)
+        TRY(open_chip(o, i, err));
+    if (e->base.info.n_stamps == 0) {
+        return shear_fail(err, SHEAR_E_FORMAT,
+                          "look at the catalog's FLAGS and at --select: which sources remain?",
+                          "file '%s': no source is selected", part_of(o, SHEAR_PART_CATALOG)->path);
+    }
+    TRY(find_scale(e, err));
+    return choose_frame(e, image, err);
+}
+
+/* Describe what does not depend on the files' content. */
+static int describe(opening *o, shear_error *err) {
+    exposure *e = o->e;
+    shear_field_info *info = &e->base.info;
+    const shear_input_part *image = part_of(o, SHEAR_PART_IMAGE);
+    const char *base = strrchr(image->path, '/');
+    const int stamp = e->options.stamp != 0 ? e->options.stamp : DEFAULT_STAMP;
+    const int planes = e->options.noise_stamps != 0 ? e->options.noise_stamps : 1;
+    if (stamp < SHEAR_MIN_SIDE || stamp > SHEAR_MAX_SIDE || planes < 1 ||
+        planes > SHEAR_MAX_NOISE_PLANES) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL,
+                          "stamps of %d px with %d noise stamps each: a side must be %d to %d px, "
+                          "and there must be 1 to %d noise stamps",
+                          stamp, planes, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE, SHEAR_MAX_NOISE_PLANES);
+    }
+    *info =
+        (shear_field_info){.pixscale = NAN,
+                           .geometry = {.nx = stamp, .ny = stamp, .psf_oversample = 1},
+                           .noise_planes = planes,
+                           .psf_layout = SHEAR_PSF_MODELS,
+                           .columns = SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y | SHEAR_COL_PSF_ID |
+                                      SHEAR_COL_PSF_TERMS | SHEAR_COL_JACOBIAN | SHEAR_COL_DROPPED,
+                           .bitpix = -64,
+                           .separate = true};
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        const shear_input_part *part = part_of(o, (enum shear_part)i);
+        info->hdu[i] = part->path == NULL ? -1 : part->hdu >= 0 ? part->hdu : 0;
+    }
+    if (sf_field_name_of_file(info->name, base != NULL ? base + 1 : image->path,
+                              (sf_place){image->path, NULL}, NULL) != SHEAR_OK) {
+        info->name[0] = '\0';
+    }
+    return SHEAR_OK;
+}
+
+static void close_exposure(shear_field *field) {
+    exposure *e = exposure_of(field);
+    let_go(&e->held);
+    for (int i = 0; e->chips != NULL && i < e->n_chips; i++)
+        chip_stamps_deinit(&e->chips[i].stamps);
+    free(e->chips);
+    psf_models_close(e->psf);
+    exposure_images_close(e->noise_images);
+    exposure_images_close(e->images);
+    free(e->base.models);
+    free(e);
+}
+
+int exposure_open(shear_field **field, const shear_input *input, const int *fds, shear_error *err) {
+    static const field_reader reader = {.read = read_block, .close = close_exposure};
+    exposure *e = calloc(1, sizeof *e);
+    *field = NULL;
+    if (e == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an exposure");
+    e->base.reader = &reader;
+    e->options = input->exposure;
+    e->held.chip = -1;
+    CLEANUP(shear_field_release) shear_field *opened = &e->base;
+    CLEANUP(opening_deinit) opening o = {.e = e, .input = input, .fds = fds};
+    TRY(describe(&o, err));
+    TRY(open_files(&o, err));
+    TRY(take_models(e, err));
+    TRY(open_chips(&o, err));
+    e->base.info.file_bytes = exposure_images_bytes(e->images);
+    *field = CLEANUP_TAKE(opened);
+    return SHEAR_OK;
+}
