@@ -171,29 +171,30 @@ int sf_table_find(const sf_table *t, const char *name, const sf_column **column,
     return SHEAR_OK;
 }
 
-static int wrong_type(const sf_table *t, const sf_column *c, int repeat, shear_error *err) {
-    char wanted[48] = "one number";
-    if (repeat != 1)
-        snprintf(wanted, sizeof wanted, "%s%d numbers", repeat == 0 ? "1 to " : "",
-                 repeat == 0 ? SF_REPEAT : repeat);
-    return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
-                   "column %s must hold %s per row (TFORM B, I, J, K, E, D or L), but %s", c->name,
-                   wanted,
-                   c->type == 'P' || c->type == 'Q' ? "has a variable length"
-                   : c->type == 'A'                 ? "holds strings"
-                   : c->repeat != repeat            ? "has another repeat count"
-                                                    : "has another type");
+/* Return what keeps a column from holding `repeat` numbers, or one number, per row; NULL: nothing.
+ */
+static const char *unfit(const sf_column *c, bool several) {
+    if (c->type == 'P' || c->type == 'Q')
+        return "has a variable length";
+    if (c->type == 'A')
+        return "holds strings";
+    if (several ? c->repeat < 1 : c->repeat != 1)
+        return "has another repeat count";
+    return strchr("LBIJKED", c->type) == NULL ? "has another type" : NULL;
 }
 
-int sf_table_find_numbers(const sf_table *t, const char *name, int repeat, const sf_column **column,
-                          shear_error *err) {
+static int find_numeric(const sf_table *t, const char *name, bool several, const sf_column **column,
+                        shear_error *err) {
     TRY(sf_table_find(t, name, column, err));
     const sf_column *c = *column;
     if (c == NULL)
         return SHEAR_OK;
-    const bool fits = repeat == 0 ? c->repeat >= 1 && c->repeat <= SF_REPEAT : c->repeat == repeat;
-    if (strchr("LBIJKED", c->type) == NULL || !fits)
-        return wrong_type(t, c, repeat, err);
+    const char *what = unfit(c, several);
+    if (what != NULL) {
+        return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
+                       "column %s must hold %s per row (TFORM B, I, J, K, E, D or L), but %s", name,
+                       several ? "numbers" : "one number", what);
+    }
     return c->by.wrong == NULL ? SHEAR_OK
                                : sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL,
                                          "column %s: its keyword TSCALn, TZEROn or TNULLn %s",
@@ -202,7 +203,42 @@ int sf_table_find_numbers(const sf_table *t, const char *name, int repeat, const
 
 int sf_table_find_number(const sf_table *t, const char *name, const sf_column **column,
                          shear_error *err) {
-    return sf_table_find_numbers(t, name, 1, column, err);
+    return find_numeric(t, name, false, column, err);
+}
+
+int sf_table_find_numbers(const sf_table *t, const char *name, const sf_column **column,
+                          shear_error *err) {
+    return find_numeric(t, name, true, column, err);
+}
+
+/* Parse "(12, 34)" into at most SF_AXES axes. Return their product; 0 if it is something else. */
+static int64_t parse_shape(const char *text, int64_t axes[SF_AXES]) {
+    int64_t product = 1;
+    const char *p = text + strspn(text, " ");
+    for (int k = 0; k < SF_AXES && (k == 0 ? *p == '(' : *p == ','); k++) {
+        char *end = NULL;
+        axes[k] = strtoll(p + 1, &end, 10);
+        if (end == p + 1 || axes[k] < 1 || __builtin_mul_overflow(product, axes[k], &product))
+            return 0;
+        p = end + strspn(end, " ");
+    }
+    return *p == ')' ? product : 0;
+}
+
+int sf_table_shape(const sf_table *t, const sf_column *column, int64_t axes[SF_AXES],
+                   shear_error *err) {
+    char key[SF_INDEXED];
+    CLEANUP(release_free) char *text = NULL;
+    for (int k = 0; k < SF_AXES; k++)
+        axes[k] = k == 0 ? column->repeat : 1;
+    sf_card_indexed(key, "TDIM", (int)(column - t->columns) + 1);
+    TRY(sf_key_string(t->cards, key, &text, err));
+    if (text == NULL || parse_shape(text, axes) == column->repeat)
+        return SHEAR_OK;
+    sf_make_printable(text);
+    return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct TDIMn or TFORMn",
+                   "keyword %s is %s, but must give 1 to %d axes of %lld elements in all", key,
+                   text, SF_AXES, (long long)column->repeat);
 }
 
 /* ---- rows, converted and scaled ---- */
@@ -237,7 +273,7 @@ static stored_cell integer_of(const sf_scaling *by, int64_t v) {
 }
 
 static stored_cell stored_cell_of(const sf_column *c, const unsigned char *bytes) {
-    const uint64_t bits = sf_bits_big_endian(bytes, c->width / c->repeat);
+    const uint64_t bits = sf_bits_big_endian(bytes, c->width);
     switch (c->type) {
     case 'L':
         return (stored_cell){.integer = bits == 'T' ? 1 : 0,
@@ -289,16 +325,12 @@ static int64_t as_integer(const sf_scaling *by, stored_cell c, int64_t undefined
     return v == floor(v) && fabs(v) < 0x1p63 ? (int64_t)v : undefined; /* NaN fails both tests */
 }
 
-/* Convert the numbers of row `i` of the output. */
 static void put(const sink *s, int64_t i, const unsigned char *bytes) {
-    const int64_t repeat = s->column->repeat;
-    for (int64_t k = 0; k < repeat; k++) {
-        const stored_cell c = stored_cell_of(s->column, bytes + k * s->column->width / repeat);
-        if (s->doubles != NULL) {
-            s->doubles[i * repeat + k] = as_double(&s->column->by, c);
-        } else {
-            s->integers[i * repeat + k] = as_integer(&s->column->by, c, s->undefined);
-        }
+    const stored_cell c = stored_cell_of(s->column, bytes);
+    if (s->doubles != NULL) {
+        s->doubles[i] = as_double(&s->column->by, c);
+    } else {
+        s->integers[i] = as_integer(&s->column->by, c, s->undefined);
     }
 }
 
@@ -331,4 +363,33 @@ int sf_table_integers(const sf_table *t, const sf_column *column, int64_t first,
                       int64_t undefined, int64_t *out, shear_error *err) {
     const sink s = {.column = column, .integers = out, .undefined = undefined};
     return read_rows(t, &s, first, count, err);
+}
+
+int sf_table_cell(const sf_table *t, const sf_column *column, int64_t row, double *out,
+                  shear_error *err) {
+    unsigned char buffer[BUFFER] = {0};
+    sf_column element = *column;
+    element.width = width_of(column->type);
+    const sink s = {.column = &element, .doubles = out};
+    const int64_t many = BUFFER / element.width;
+    for (int64_t done = 0; done < column->repeat;) {
+        const int64_t n = column->repeat - done < many ? column->repeat - done : many;
+        TRY(sf_table_bytes(t, row, column->offset + done * element.width, n * element.width, buffer,
+                           err));
+        for (int64_t i = 0; i < n; i++)
+            put(&s, done + i, buffer + i * element.width);
+        done += n;
+    }
+    return SHEAR_OK;
+}
+
+int sf_table_text(const sf_table *t, const sf_column *column, int64_t row, char *out, size_t size,
+                  shear_error *err) {
+    const size_t n = (size_t)column->width < size ? (size_t)column->width : size - 1;
+    TRY(sf_table_bytes(t, row, column->offset, (int64_t)n, out, err));
+    out[n] = '\0';
+    sf_make_printable(out);
+    for (size_t end = strlen(out); end > 0 && out[end - 1] == ' '; end--)
+        out[end - 1] = '\0';
+    return SHEAR_OK;
 }

@@ -48,13 +48,18 @@ int sf_table_find(const sf_table *t, const char *name, const sf_column **column,
  * TNULLn. */
 int sf_table_find_number(const sf_table *t, const char *name, const sf_column **column,
                          shear_error *err);
-/* The same for `repeat` numbers per row; 0: any number up to SF_REPEAT. */
-enum { SF_REPEAT = 256 };
-int sf_table_find_numbers(const sf_table *t, const char *name, int repeat, const sf_column **column,
-                          shear_error *err);
 
-/* Read rows [first, first + count) of a column of numbers (all of a row's, in order); logicals are
- * 0 and 1. Undefined values (TNULLn, and logicals that are neither) are NaN. */
+/* The same for a column that must hold `repeat` numbers per row, 1 or more. */
+int sf_table_find_numbers(const sf_table *t, const char *name, const sf_column **column,
+                          shear_error *err);
+/* Read the axes of its cells from TDIMn, the fastest first; those beyond are 1. Without TDIMn there
+ * is one, the repeat count. SHEAR_E_FORMAT: they are not positive, more than SF_AXES, or not the
+ * repeat count in all. */
+int sf_table_shape(const sf_table *t, const sf_column *column, int64_t axes[SF_AXES],
+                   shear_error *err);
+
+/* Read rows [first, first + count) of a column of numbers; logicals are 0 and 1. Undefined values
+ * (TNULLn, and logicals that are neither) are NaN. */
 int sf_table_doubles(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
                      double *out, shear_error *err);
 /* The same as integers, exact if the column holds integers. Undefined values, and those that are
@@ -62,6 +67,14 @@ int sf_table_doubles(const sf_table *t, const sf_column *column, int64_t first, 
  * their bits. */
 int sf_table_integers(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
                       int64_t undefined, int64_t *out, shear_error *err);
+
+/* Read all numbers of one row of a column: out[repeat]. */
+int sf_table_cell(const sf_table *t, const sf_column *column, int64_t row, double *out,
+                  shear_error *err);
+/* Read a column of characters (TFORM A) in one row, without trailing blanks; what does not fit is
+ * cut off, and characters that are not printable become '?'. */
+int sf_table_text(const sf_table *t, const sf_column *column, int64_t row, char *out, size_t size,
+                  shear_error *err);
 
 /* Read `bytes` bytes of row `row`, from `offset` in the row. SHEAR_E_IO, SHEAR_E_FORMAT. */
 int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* survey/psf/psfex.h: read the models that PSFEx writes.
+ *
+ * A model is a row of a table with a column PSF_MASK: the coefficients of a polynomial for every
+ * sample. Its parameters are keywords of an HDU PSF_DATA for each chip, or columns of a table with
+ * a row per chip (Legacy Survey). */
+#pragma once
+
+#include "survey/psf/internal.h"
+
+/* Return whether the table `hdu` holds PSFEx models, and write it to *is. */
+int psfex_find(const psf_models *p, const sf_hdu *hdu, bool *is, shear_error *err);
+/* Append the models of `hdu`. */
+int psfex_read(psf_models *p, const sf_hdu *hdu, shear_error *err);

@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# PSF models of exposures. Real files of surveys are compared with where there are any: they are no part of this tree.
+set(SHEAR_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "folder with survey/, real files for the tests")
+add_library(psf_fixtures STATIC psf_fixture.c)
+target_link_libraries(psf_fixtures PUBLIC fits_fixtures)
+target_include_directories(psf_fixtures PUBLIC ${PROJECT_SOURCE_DIR}/core)
+target_compile_definitions(psf_fixtures PRIVATE SHEAR_SHARED="${SHEAR_SHARED}")
+
+function(survey_psf_test name)
+  shear_add_test(${name} SOURCES test_${name}.c LIBRARIES psf_fixtures LABELS survey TIMEOUT 60)
+endfunction()
+
+survey_psf_test(psf_psfex)
