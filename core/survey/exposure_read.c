@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Cut blocks of stamps out of the chips of an exposure. */
+#include "survey/internal.h"
+
+#include "base/cleanup.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- the pixels of one chip at a time ---- */
+
+void exposure_let_go(held_chip *h) {
+    cutter_free(h->cutter);
+    chip_pixels_close(h->noise);
+    chip_pixels_close(h->pixels);
+    *h = (held_chip){.chip = -1};
+}
+
+/* Return R_PSF in the middle of a chip, pixels. */
+static double chip_r_psf(const exposure *e, int chip) {
+    int nx;
+    int ny;
+    double r = NAN;
+    exposure_images_size(e->images, chip, &nx, &ny);
+    const chip_stamps *s = &e->chips[chip].stamps;
+    const shear_psf_model *m = &e->base.models[e->chips[chip].model];
+    int64_t nearest = -1;
+    double least = INFINITY;
+    for (int64_t i = 0; i < s->n; i++) {
+        const double d = hypot(s->x[i] - 0.5 * nx, s->y[i] - 0.5 * ny);
+        if (s->flags[i] == 0 && d < least) {
+            least = d;
+            nearest = i;
+        }
+    }
+    const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
+    return nearest >= 0 && shear_psf_model_radius(m, s->psf_terms + nearest * s->terms, scale, &r,
+                                                  NULL) == SHEAR_OK
+               ? r
+               : 1.5; /* no stamp of this chip can be measured */
+}
+
+static int hold(exposure *e, int chip, shear_error *err) {
+    held_chip *h = &e->held;
+    const chip_stamps *s = &e->chips[chip].stamps;
+    if (h->chip == chip)
+        return SHEAR_OK;
+    exposure_let_go(h);
+    const cutter_options options = {.stamp = e->base.info.geometry.nx,
+                                    .noise_stamps = e->base.info.noise_planes,
+                                    .noise = e->options.noise,
+                                    .chip = chip,
+                                    .r_psf_px = chip_r_psf(e, chip)};
+    TRY(chip_pixels_open(&h->pixels, e->images, chip, s->shapes, s->n_shapes, err));
+    if (e->noise_images != NULL)
+        TRY(chip_pixels_open(&h->noise, e->noise_images, chip, NULL, 0, err));
+    TRY(cutter_new(&h->cutter, h->pixels, h->noise, &options, err));
+    h->chip = chip;
+    return SHEAR_OK;
+}
+
+/* ---- blocks of stamps ---- */
+
+static int find_chip(const exposure *e, int64_t stamp) {
+    int chip = 0;
+    while (chip + 1 < e->n_chips && e->chips[chip + 1].first <= stamp)
+        chip++;
+    return chip;
+}
+
+/* Copy what is known without pixels. */
+static void fill_columns(const exposure *e, const chip_stamps *s, int64_t from, int model,
+                         shear_block *b, int to) {
+    b->id[to] = s->id[from];
+    b->x[to] = s->x[from];
+    b->y[to] = s->y[from];
+    b->psf_index[to] = model;
+    memcpy(b->psf_terms + (size_t)to * (size_t)s->terms, s->psf_terms + from * s->terms,
+           (size_t)s->terms * sizeof *b->psf_terms);
+    if (b->weight != NULL)
+        b->weight[to] = s->weight != NULL ? s->weight[from] : 1.0;
+    if (b->r_gal != NULL)
+        b->r_gal[to] = s->r_gal != NULL ? s->r_gal[from] : NAN;
+    if ((e->base.info.columns & SHEAR_COL_JACOBIAN) != 0) {
+        const sky_distortion d = sky_distortion_of(s->jacobian[from]);
+        b->ra[to] = s->ra[from];
+        b->dec[to] = s->dec[from];
+        memcpy(b->jacobian + 4 * (size_t)to, s->jacobian[from], sizeof s->jacobian[from]);
+        b->gf1[to] = d.g1;
+        b->gf2[to] = d.g2;
+    }
+}
+
+static int cut(exposure *e, int64_t stamp, shear_block *b, int to, shear_error *err) {
+    const shear_field_info *info = &e->base.info;
+    const int chip = find_chip(e, stamp);
+    const chip_stamps *s = &e->chips[chip].stamps;
+    const int64_t from = stamp - e->chips[chip].first;
+    const size_t pixels = (size_t)info->geometry.nx * (size_t)info->geometry.ny;
+    const cutter_source source = {.x = s->x[from] - 1.0,
+                                  .y = s->y[from] - 1.0,
+                                  .r_gal = s->r_gal != NULL ? s->r_gal[from] : NAN,
+                                  .id = s->id[from]};
+    cutter_pair pair = {.galaxy = b->galaxy + (size_t)to * pixels,
+                        .noise = b->noise + (size_t)to * (size_t)info->noise_planes * pixels};
+    TRY(hold(e, chip, err));
+    TRY(cutter_cut(e->held.cutter, &source, &pair, err));
+    fill_columns(e, s, from, e->chips[chip].model, b, to);
+    b->dropped[to] = s->flags[from] | pair.flags;
+    return SHEAR_OK;
+}
+
+int exposure_read(shear_field *field, int64_t first, int count, shear_block *block,
+                  shear_error *err) {
+    for (int i = 0; i < count; i++)
+        TRY(cut(exposure_of(field), first + i, block, i, err));
+    return SHEAR_OK;
+}

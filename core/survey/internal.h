@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* survey/internal.h: the members of an open exposure. */
+#pragma once
+
+#include "fits/field/reader.h"
+#include "survey/chip_stamps.h"
+#include "survey/cutout/cutter.h"
+
+/* A chip, as far as it is known without its pixels. */
+typedef struct exposure_chip {
+    chip_stamps stamps;
+    int64_t first; /* number of its first stamp */
+    int model;     /* of the PSF */
+} exposure_chip;
+
+/* The chip whose pixels are held. */
+typedef struct held_chip {
+    chip_pixels *pixels;
+    chip_pixels *noise; /* of the noise image; NULL: there is none */
+    cutter *cutter;
+    int chip; /* -1: none */
+} held_chip;
+
+typedef struct exposure {
+    shear_field base; /* the first member: a shear_field is one of these */
+    shear_exposure options;
+    exposure_images *images, *noise_images; /* the second: of SHEAR_NOISE_IMAGE */
+    psf_models *psf;
+    exposure_chip *chips; /* [n_chips] */
+    int n_chips;
+    held_chip held;
+} exposure;
+
+static inline exposure *exposure_of(shear_field *field) {
+    return (exposure *)field;
+}
+
+/* Read a block: one of the functions of a field_reader. */
+int exposure_read(shear_field *field, int64_t first, int count, shear_block *block,
+                  shear_error *err);
+/* Free the pixels of the chip that is held. */
+void exposure_let_go(held_chip *h);
