@@ -33,27 +33,3 @@ bool sky_map_jacobian(sky_map *map, double x, double y, double j[4]);
 /* Compute (u, v), arcsec, of a position in the tangent plane at (ra0, dec0), degrees. Return false
  * beyond 90 degrees. */
 bool sky_map_tangent(double ra, double dec, double ra0, double dec0, double *u, double *v);
-
-/* The shear that a Jacobian's map itself makes, in the pixel frame: an object that is round on the
- * sky appears with g = gf in pixels. */
-typedef struct sky_distortion {
-    double g1, g2;
-    double scale;    /* sqrt|det J|, arcsec per pixel */
-    double rotation; /* radians */
-    bool mirrored;
-} sky_distortion;
-sky_distortion sky_distortion_of(const double j[4]);
-
-/* The cards of a text file (SCAMP's .head): blocks that end with END, one per chip. */
-typedef struct head_file {
-    char *cards;    /* [count][80]; owned */
-    int64_t *first; /* [n + 1] number of the first card of each block; owned */
-    int n;
-} head_file;
-/* Read the file at `path`, or the descriptor fd if it is not negative. SHEAR_E_IO, SHEAR_E_FORMAT.
- * Call head_file_deinit after an error, too. */
-int head_file_init(head_file *h, const char *path, int fd, shear_error *err);
-void head_file_deinit(head_file *h);
-/* Return a copy of the image's header [*count][80], its coordinates replaced by those of block `i`;
- * NULL: out of memory. The caller frees it. */
-char *head_file_merge(const head_file *h, int i, const char *cards, int64_t *count);

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Sky maps of exposures. Real headers of surveys are compared with where there are any: they are no part of this tree.
+set(SHEAR_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "folder with survey/, real files for the tests")
+add_library(sky_fixtures STATIC sky_fixture.c)
+target_link_libraries(sky_fixtures PUBLIC fits_fixtures)
+target_include_directories(sky_fixtures PUBLIC ${PROJECT_SOURCE_DIR}/core)
+
+function(survey_wcs_test name)
+  shear_add_test(${name} SOURCES test_${name}.c LIBRARIES sky_fixtures ${ARGN} LABELS survey TIMEOUT 60)
+endfunction()
+
+survey_wcs_test(sky_map Threads::Threads)
+#survey_wcs_test(sky_keywords)
+survey_wcs_test(sky_distortion)
+#survey_wcs_test(sky_hostile)
+survey_wcs_test(sky_truth PkgConfig::JANSSON)
+target_compile_definitions(test_sky_truth PRIVATE SHEAR_SHARED="${SHEAR_SHARED}")
+#survey_wcs_test(head_file)
