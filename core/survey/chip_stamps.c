@@ -93,11 +93,10 @@ static bool allocate(chip_stamps *s, const chip_inputs *in, int64_t wanted) {
 static void add_stamp(chip_stamps *s, const chip_inputs *in, const places *p, int64_t i) {
     const source_list *l = in->sources;
     const int64_t k = s->n++;
-    const psf_place place = {.x = p->x[i],
-                             .y = p->y[i],
-                             .ra = p->ra[i],
-                             .dec = p->dec[i],
-                             .context = l->context + i * l->n_contexts};
+    double context[MAX_CONTEXTS];
+    const psf_place place = {
+        .x = p->x[i], .y = p->y[i], .ra = p->ra[i], .dec = p->dec[i], .context = context};
+    contexts_of_row(in->contexts, l, i, context);
     s->id[k] = l->id[i];
     s->x[k] = p->x[i];
     s->y[k] = p->y[i];

@@ -3,9 +3,11 @@
  * and on the sky, Jacobians, and coefficients of the PSF. */
 #pragma once
 
+#include "survey/contexts.h"
 #include "survey/pixels/chip_pixels.h"
 #include "survey/psf/psf_models.h"
 #include "survey/sources/source_list.h"
+#include "survey/wcs/sky_distortion.h"
 #include "survey/wcs/sky_map.h"
 
 /* Arrays of [n]. */
@@ -30,6 +32,7 @@ typedef struct chip_inputs {
     source_list *sources;
     sky_map *map; /* NULL: the image has no WCS */
     const psf_models *psf;
+    const contexts *contexts;
     int model;
     int nx, ny;       /* of the chip */
     bool only_inside; /* the catalog covers more than this chip: leave out what is not on it */

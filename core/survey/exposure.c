@@ -8,6 +8,7 @@
 #include "fits/field/name.h"
 #include "survey/chip_match.h"
 #include "survey/internal.h"
+#include "survey/wcs/head_file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -142,17 +143,26 @@ static void forget_pixels(source_list *sources) {
     sources->x = sources->y = NULL;
 }
 
+static int find_contexts(const opening *o, int chip, contexts *c, shear_error *err) {
+    const char *const *names = NULL;
+    int64_t count = 0;
+    const exposure *e = o->e;
+    const int n = psf_models_contexts(e->psf, e->chips[chip].model, &names);
+    const char *cards = exposure_images_header(e->images, chip, &count);
+    return contexts_init(c, names, n, cards, count, part_of(o, SHEAR_PART_IMAGE)->path, err);
+}
+
 static int open_chip(opening *o, int chip, shear_error *err) {
     exposure *e = o->e;
     exposure_chip *c = &e->chips[chip];
     int table;
-    const char *const *contexts = NULL;
+    contexts wanted;
     CLEANUP(sky_map_release) sky_map *map = NULL;
     CLEANUP(source_list_deinit) source_list sources = {0};
     TRY(match_chip(o, chip, &table, &c->model, err));
     TRY(map_chip(o, chip, &map, err));
-    const int n_contexts = psf_models_contexts(e->psf, c->model, &contexts);
-    TRY(source_catalog_load(o->catalog, table, contexts, n_contexts, &sources, err));
+    TRY(find_contexts(o, chip, &wanted, err));
+    TRY(source_catalog_load(o->catalog, table, wanted.columns, wanted.n_columns, &sources, err));
     const bool shared = e->n_chips > 1 && source_catalog_tables(o->catalog) == 1;
     TRY(check_positions(o, &sources, map, shared, err));
     if (shared)

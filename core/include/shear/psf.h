@@ -79,6 +79,11 @@ enum shear_psf_axes {
     SHEAR_PSF_AXES_MODES
 };
 
+/** Limits. */
+enum {
+    SHEAR_MAX_PSF_TERMS = 256 /**< the most terms of a model */
+};
+
 /** A PSF that is linear in `terms` numbers c that belong to a galaxy: its samples are sum_t c[t]
  * samples[t] (with SHEAR_PSF_AXES_MODES: |W|^2 is). The pixel response is inside. Normalization and
  * position of the peak do not matter. One image is a model of one term, with c = 1. */
