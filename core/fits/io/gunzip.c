@@ -4,10 +4,10 @@
 #include "base/cleanup.h"
 #include "base/io.h"
 #include "base/text.h"
+#include "fits/io/scratch.h"
 #include "shear/field.h"
 
 #include <errno.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <zlib.h>
@@ -26,42 +26,6 @@ static int64_t unpack_limit(void) {
     const char *text = getenv("SHEAR_UNPACK_LIMIT");
     int64_t limit = 0;
     return text != NULL && text_to_int64(text, &limit) && limit > 0 ? limit : SHEAR_UNPACK_LIMIT;
-}
-
-/* Files for unpacking that were passed to this process, which may not create any. */
-static int given[8];
-static int n_given;
-static atomic_int next_given;
-
-void shear_field_use_scratch(const int *fds, int n) {
-    n_given = n < (int)(sizeof given / sizeof *given) ? n : (int)(sizeof given / sizeof *given);
-    memcpy(given, fds, (size_t)n_given * sizeof *given);
-}
-
-static int next_scratch(sf_place at, int *out, shear_error *err) {
-    const int i = atomic_fetch_add(&next_given, 1);
-    if (i >= n_given) {
-        return sf_fail(err, SHEAR_E_IO, at, "look at the directory for unpacked copies",
-                       "there is no file to unpack it into");
-    }
-    *out = given[i];
-    return SHEAR_OK;
-}
-
-static int open_copy(sf_place at, int *out, shear_error *err) {
-    if (n_given > 0)
-        return next_scratch(at, out, err);
-    const char *dir = getenv("TMPDIR");
-    if (dir == NULL || dir[0] == '\0')
-        dir = "/tmp";
-    *out = io_open_nameless(dir);
-    if (*out < 0) {
-        const int number = errno;
-        char doing[300];
-        snprintf(doing, sizeof doing, "cannot make a temporary file in '%.200s' (TMPDIR)", dir);
-        return sf_fail_errno(err, at, number, doing);
-    }
-    return SHEAR_OK;
 }
 
 /* A file that is being unpacked. */
@@ -174,7 +138,7 @@ int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err
         inflateInit2(&u.z, 15 + 16) != Z_OK) {
         return sf_fail_memory(err, at);
     }
-    TRY(open_copy(at, &u.out, err));
+    TRY(sf_scratch_open(at, &u.out, err));
     TRY(unpack(&u, err));
     *out = u.out;
     *out_size = u.written;

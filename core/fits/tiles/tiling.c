@@ -257,27 +257,6 @@ int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err) {
 
 /* ---- the header for CFITSIO ---- */
 
-static void show_primary(sf_view *v) {
-    sf_view_logical(v, "SIMPLE", true);
-    sf_view_int(v, "BITPIX", 8);
-    sf_view_int(v, "NAXIS", 0);
-    sf_view_logical(v, "EXTEND", true);
-    sf_view_end(v);
-}
-
-static void show_table(const sf_tiling *t, const sf_table *table, sf_view *v) {
-    const int64_t rows = table->cards->hdu->axes[0] * table->cards->hdu->axes[1];
-    sf_view_string(v, "XTENSION", "BINTABLE");
-    sf_view_int(v, "BITPIX", 8);
-    sf_view_int(v, "NAXIS", 2);
-    sf_view_int(v, "NAXIS1", table->cards->hdu->axes[0]);
-    sf_view_int(v, "NAXIS2", table->cards->hdu->axes[1]);
-    sf_view_int(v, "PCOUNT", table->cards->hdu->data_bytes - rows);
-    sf_view_int(v, "GCOUNT", 1);
-    sf_view_int(v, "TFIELDS", table->n);
-    sf_view_int(v, "THEAP", t->heap);
-}
-
 /* Columns that do not belong to the image are described as characters without a name. */
 static void show_column(const sf_tiling *t, const sf_column *c, int i, sf_view *v) {
     char key[SF_INDEXED];
@@ -321,8 +300,9 @@ static void show_numbers(const sf_tiling *t, double bscale, double bzero, sf_vie
 void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, double bzero,
                     sf_view *view) {
     char key[SF_INDEXED];
-    show_primary(view);
-    show_table(t, table, view);
+    const sf_hdu *hdu = table->cards->hdu;
+    sf_view_table(view, hdu, hdu->data_bytes - hdu->axes[0] * hdu->axes[1], table->n);
+    sf_view_int(view, "THEAP", t->heap);
     for (int i = 0; i < table->n; i++)
         show_column(t, &table->columns[i], i, view);
     sf_view_logical(view, "ZIMAGE", true);

@@ -59,6 +59,26 @@ void sf_view_scale(sf_view *v, double scale, double zero) {
     }
 }
 
+static void add_primary(sf_view *v) {
+    sf_view_logical(v, "SIMPLE", true);
+    sf_view_int(v, "BITPIX", 8);
+    sf_view_int(v, "NAXIS", 0);
+    sf_view_logical(v, "EXTEND", true);
+    sf_view_end(v);
+}
+
+void sf_view_table(sf_view *v, const sf_hdu *hdu, int64_t heap, int columns) {
+    add_primary(v);
+    sf_view_string(v, "XTENSION", "BINTABLE");
+    sf_view_int(v, "BITPIX", 8);
+    sf_view_int(v, "NAXIS", 2);
+    sf_view_int(v, "NAXIS1", hdu->axes[0]);
+    sf_view_int(v, "NAXIS2", hdu->axes[1]);
+    sf_view_int(v, "PCOUNT", heap);
+    sf_view_int(v, "GCOUNT", 1);
+    sf_view_int(v, "TFIELDS", columns);
+}
+
 void sf_view_end(sf_view *v) {
     add(v, "END");
     while (!v->header.failed && v->header.n % SF_BLOCK_BYTES != 0)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/tiles/view.h: a view of one image for CFITSIO, with a header made for it.
+/* fits/tiles/view.h: a view of one image or table for CFITSIO, with a header made for it.
  *
  * CFITSIO parses a file's headers by itself and acts on keywords whose values nobody has checked.
  * So it is never given the file. A view is a FITS file that exists only in CFITSIO's reads (through
@@ -28,6 +28,9 @@ void sf_view_double(sf_view *v, const char *key, double value);
 void sf_view_string(sf_view *v, const char *key, const char *value); /* without quotes in it */
 /* Write BSCALE and BZERO, unless they are 1 and 0. */
 void sf_view_scale(sf_view *v, double scale, double zero);
+/* Write an empty primary header, and begin that of a table with the rows of `hdu`, which `heap`
+ * bytes follow; TTYPEn and TFORMn of its columns are next. */
+void sf_view_table(sf_view *v, const sf_hdu *hdu, int64_t heap, int columns);
 /* End a header. More headers may follow (only the last one has data). */
 void sf_view_end(sf_view *v);
 

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* survey/sources/object_tables.h: which tables of a catalog file hold sources, and the headers of
+ * their images.
+ *
+ * FITS_LDAC has a pair of tables per chip: LDAC_IMHEAD (or FIELDS), one row with the image's
+ * header, then LDAC_OBJECTS (OBJECTS). FITS_1.0 has OBJECTS only. Of other files all tables are
+ * taken that have positions, and the same columns as the first of them. */
+#pragma once
+
+#include "survey/sources/source_columns.h"
+
+#include "shear/input.h"
+
+enum { OBJECT_TABLE_ROWS = 4000000 }; /* at most */
+
+typedef struct object_table {
+    const sf_hdu *hdu;
+    char label[SF_NAME + 16]; /* for messages */
+    char chip[SF_NAME];       /* EXTNAME of its image, or "" */
+    char *header;             /* [cards][80] of its image; NULL if there is none */
+    int64_t cards;
+} object_table;
+
+typedef struct object_tables {
+    object_table *tables; /* [n] */
+    int n;
+} object_tables;
+
+/* Find the tables, or the HDU or EXTNAME that `part` chooses, and check that they have the columns.
+ * SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM. Call object_tables_deinit after an error, too. */
+int object_tables_init(object_tables *o, const sf_file *file, const shear_input_part *part,
+                       const source_names *names, shear_error *err);
+void object_tables_deinit(object_tables *o);
+
+/* An open table. It must not move: its parts point to each other. */
+typedef struct open_table {
+    sf_cards cards;
+    sf_table table;
+    source_columns columns;
+} open_table;
+
+/* Read a table's header and find its columns. Call open_table_deinit after an error, too. */
+int open_table_init(open_table *t, const sf_file *file, const object_table *object,
+                    const source_names *names, shear_error *err);
+void open_table_deinit(open_table *t);
