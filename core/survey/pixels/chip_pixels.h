@@ -2,45 +2,20 @@
 /* survey/pixels/chip_pixels.h: the pixels of a chip: values, standard deviations, defects, and the
  * object that each belongs to; read in boxes, through a cache of bands of rows.
  *
- * Memory is bounded by the cache, not by the image. Pixels count from 0 here. A chip_pixels is used
- * by one thread at a time. */
+ * Memory is bounded by the cache (192 MiB), not by the image. Pixels count from 0 here. A
+ * chip_pixels is used by one thread at a time; those of one exposure may be used by several. */
 #pragma once
 
-#include "fits/header/file.h"
-#include "shear/input.h"
+#include "survey/pixels/exposure_images.h"
 
 #include <stdbool.h>
-#include <stdint.h>
 
 /* Why a pixel cannot be used. */
 enum pixel_defect {
-    PIXEL_BAD = 1,       /* weight 0, mask, NaN, BLANK, variance not positive */
+    PIXEL_BAD = 1,       /* weight 0, mask, NaN, infinity, BLANK, variance not positive */
     PIXEL_SATURATED = 2, /* at or above SATURATE, or in the mask's plane SAT */
     PIXEL_OUTSIDE = 4    /* beyond the chip */
 };
-
-/* The images of an exposure: an HDU per chip. */
-typedef struct exposure_images exposure_images;
-
-/* Open the image, and weight, mask and segmentation where given (fds as in shear_field_open_input).
- * If the image's HDU is chosen, that is the only chip; else every 2-D image HDU (of its file) that
- * is not a mask or a variance (EXTTYPE, EXTNAME) is one; the others are matched by EXTNAME, else by
- * order. SHEAR_E_IO; SHEAR_E_FORMAT: another shape or number of chips, an unknown plane, ... *e is
- * NULL on error. */
-int exposure_images_open(exposure_images **e, const shear_input *input, const int *fds,
-                         shear_error *err);
-void exposure_images_close(exposure_images *e);
-int exposure_images_chips(const exposure_images *e);
-/* Return EXTNAME of chip `i`, or "". */
-const char *exposure_images_name(const exposure_images *e, int i);
-/* Return the header of chip `i`, [*count] cards of 80 characters; those of the primary HDU that the
- * extension does not have are appended. */
-const char *exposure_images_header(const exposure_images *e, int i, int64_t *count);
-/* Return width and height of chip `i`. */
-void exposure_images_size(const exposure_images *e, int i, int *nx, int *ny);
-/* Return the HDU of a part of chip `i`, from 0, or -1; and the bytes of all files on disk. */
-int64_t exposure_images_hdu(const exposure_images *e, int i, enum shear_part part);
-int64_t exposure_images_bytes(const exposure_images *e);
 
 /* An ellipse about an object, for images without a segmentation. */
 typedef struct object_shape {
@@ -50,9 +25,11 @@ typedef struct object_shape {
 } object_shape;
 
 typedef struct chip_pixels chip_pixels;
-/* Open chip `i`. Without a segmentation, the owners of pixels are the `n` shapes (borrowed; may be
- * NULL). */
-int chip_pixels_open(chip_pixels **c, exposure_images *e, int i, const object_shape *shapes,
+/* Open chip `i`. `e` must outlive *c. Without a segmentation, the owners of pixels are the `n`
+ * shapes (borrowed; may be NULL): of several ellipses the one whose centre is nearest, in units of
+ * its own radius. Shapes that are not finite, or have no positive axes, own nothing.
+ * SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM. *c is NULL on error. */
+int chip_pixels_open(chip_pixels **c, const exposure_images *e, int i, const object_shape *shapes,
                      int64_t n, shear_error *err);
 void chip_pixels_close(chip_pixels *c);
 /* Return whether there is a segmentation image, so that owners are its values. */
@@ -62,9 +39,11 @@ bool chip_pixels_segmented(const chip_pixels *c);
 typedef struct pixel_box {
     int x, y, nx, ny; /* its first pixel may be negative: PIXEL_OUTSIDE, with value and sigma NaN */
     double *value;
-    float *sigma;    /* standard deviation; NaN: unknown (no weight map, or a relative one) */
+    float *sigma; /* standard deviation; NaN: unknown (no weight map, or a weight that is bad). Of a
+                     map of weights it is 1/sqrt(weight): right up to a factor, the same everywhere,
+                     because nothing in a file tells absolute weights from relative ones */
     uint8_t *defect; /* enum pixel_defect */
-    int32_t *owner;  /* 0: sky */
+    int32_t *owner;  /* 0: sky; -1: segmentation value that is not a whole number up to 2^31 - 1 */
 } pixel_box;
 /* Fill the box. SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM. */
 int chip_pixels_read(chip_pixels *c, const pixel_box *box, shear_error *err);

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Exposures: images, masks, and their pixels. What needs real files is skipped where they are not.
+set(SHEARD_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "Folder whose folder survey/ has real exposures")
+
+function(survey_pixels_test name)
+  shear_add_test(${name} SOURCES test_${name}.c exposure_fixture.c LIBRARIES fits_fixtures LABELS survey TIMEOUT 120)
+  target_compile_definitions(test_${name} PRIVATE SHEARD_SHARED="${SHEARD_SHARED}")
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/core)
+endfunction()
+
+survey_pixels_test(exposure_images)
+survey_pixels_test(chip_pixels)
