@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names and explanations of a row's flags, and the check of a weight. */
+/* Names and explanations of a row's flags, names of frames, and the check of a weight. */
 #include "shear/stamp.h"
 
 #include <math.h>
@@ -37,6 +37,11 @@ const char *shear_flag_name(int bit) {
 
 const char *shear_flag_help(int bit) {
     return bit >= 0 && bit < SHEAR_N_FLAGS ? flags[bit].help : NULL;
+}
+
+const char *shear_frame_name(enum shear_frame frame) {
+    static const char *const names[] = {"pixel", "sky", "sky-east"};
+    return (unsigned)frame < SHEAR_N_FRAMES ? names[frame] : "unknown";
 }
 
 bool shear_weight_is_good(double weight) {

@@ -79,6 +79,7 @@ void shear_block_sums_add(shear_block_sums *b, const shear_row *row) {
     const uint32_t flags =
         row->flags == 0 && !summable ? (uint32_t)SHEAR_FLAG_OVERFLOW : row->flags;
     b->n_stamps++;
+    b->framed[row->frame]++;
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++)
         b->flagged[bit] += (flags >> bit) & 1u;
     if (flags != 0)

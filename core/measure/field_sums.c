@@ -78,15 +78,29 @@ void shear_field_sums_set_top(shear_field_sums *f, shear_influence top) {
 
 /* Add or subtract (sign -1) numbers of stamps. */
 static void count(shear_field_sums *f, int sign, int64_t n_stamps, int64_t n_used,
-                  const int64_t *flagged) {
+                  const int64_t *flagged, const int64_t *framed) {
     f->n_stamps += sign * n_stamps;
     f->n_used += sign * n_used;
     for (int i = 0; i < SHEAR_N_FLAGS; i++)
         f->flagged[i] += sign * flagged[i];
+    for (int i = 0; i < SHEAR_N_FRAMES; i++)
+        f->framed[i] += sign * framed[i];
+}
+
+int shear_field_sums_frame(const shear_field_sums *f) {
+    int frame = SHEAR_FRAME_PIXEL;
+    int n = 0;
+    for (int i = 0; i < SHEAR_N_FRAMES; i++) {
+        if (f->framed[i] != 0) {
+            frame = i;
+            n++;
+        }
+    }
+    return n > 1 ? SHEAR_N_FRAMES : frame;
 }
 
 void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
-    count(f, 1, b->n_stamps, b->n_used, b->flagged);
+    count(f, 1, b->n_stamps, b->n_used, b->flagged, b->framed);
     for (int i = 0; i < SHEAR_N_TERMS; i++) {
         exact_add(f->sums, i, b->hi[i]);
         exact_add(f->sums, i, b->lo[i]);
@@ -95,13 +109,13 @@ void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
 }
 
 void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
-    count(f, 1, g->n_stamps, g->n_used, g->flagged);
+    count(f, 1, g->n_stamps, g->n_used, g->flagged, g->framed);
     exact_join(f->sums, g->sums, SHEAR_N_TERMS);
     f->top = larger(f->top, g->top);
 }
 
 void shear_field_sums_subtract(shear_field_sums *f, const shear_field_sums *g) {
-    count(f, -1, g->n_stamps, g->n_used, g->flagged);
+    count(f, -1, g->n_stamps, g->n_used, g->flagged, g->framed);
     exact_leave(f->sums, g->sums, SHEAR_N_TERMS);
     if (!(f->top.size > g->top.size))
         f->top = (shear_influence){.size = NAN, .stamp = -1};
@@ -120,6 +134,8 @@ static bool write_text(const shear_field_sums *f, FILE *out) {
         free(term);
     }
     fprintf(out, " %a %" PRId64, f->top.size, f->top.stamp);
+    for (int i = 0; i < SHEAR_N_FRAMES && f->framed[SHEAR_FRAME_PIXEL] != f->n_stamps; i++)
+        fprintf(out, " %" PRId64, f->framed[i]);
     return ferror(out) == 0;
 }
 
@@ -178,6 +194,21 @@ static bool read_top(shear_field_sums *f, char **rest) {
            text_to_int64(stamp, &f->top.stamp) && top_is_possible(f);
 }
 
+/* Read how many stamps each frame has. Without it all are those of pixels. */
+static bool read_frames(shear_field_sums *f, char **rest) {
+    int64_t left = f->n_stamps;
+    if (*rest == NULL) {
+        f->framed[SHEAR_FRAME_PIXEL] = f->n_stamps;
+        return true;
+    }
+    for (int i = 0; i < SHEAR_N_FRAMES; i++) {
+        if (!read_count(rest, &f->framed[i]) || f->framed[i] > left)
+            return false;
+        left -= f->framed[i];
+    }
+    return left == 0;
+}
+
 /* Return NULL, or the name of the part of the text that is wrong. */
 static const char *read_text(shear_field_sums *f, bool old, char *rest) {
     int64_t n_flags = OLD_FLAGS;
@@ -195,6 +226,8 @@ static const char *read_text(shear_field_sums *f, bool old, char *rest) {
     f->top = (shear_influence){.size = NAN, .stamp = -1};
     if (!old && !read_top(f, &rest))
         return "the stamp that counts most";
+    if (!read_frames(f, &rest))
+        return "the numbers of stamps by frame";
     return rest == NULL ? NULL : "what follows them";
 }
 

@@ -229,9 +229,11 @@ static bool no_difference(const rounded *r, double n) {
 }
 
 /* Return why there is no shear; SHEAR_HAS_SHEAR if there may be one. */
-static enum shear_no_shear no_shear(const shear_result *out, const rounded *r) {
+static enum shear_no_shear no_shear(const shear_result *out, const rounded *r, int frame) {
     if (out->n_used < 2)
         return SHEAR_NO_STAMPS;
+    if (frame == SHEAR_N_FRAMES)
+        return SHEAR_NO_FRAME;
     if (r->t[SHEAR_S_W] == 0.0)
         return SHEAR_NO_WEIGHT;
     if (no_difference(r, (double)out->n_used))
@@ -271,7 +273,7 @@ void shear_field_result(const shear_field_sums *f, shear_result *out) {
         fill_influence(out, &r, f->top);
         out->signal = out->sum_d / noise_of_d(&r, n, out->noise_level_err);
     }
-    out->why = no_shear(out, &r);
+    out->why = no_shear(out, &r, shear_field_sums_frame(f));
     if (out->why == SHEAR_HAS_SHEAR) {
         fill_shear(out, &r);
         out->valid = isfinite(out->g1) && isfinite(out->g2);

@@ -31,6 +31,9 @@ static const reason reasons[] = {
          "pixel; else see that the PSF is that of these galaxies, and the stamps are 10 beta wide"},
     [SHEAR_NO_SYMMETRY] = {"no_symmetry", "the stamps' symmetry has no solution",
                            "16 stamps are needed at least; or use --estimator mean"},
+    [SHEAR_NO_FRAME] = {"mixed_frames", "its stamps were measured along different axes",
+                        "retract what is not in the frame of the others, or measure all with one "
+                        "--frame"},
     [SHEAR_NOT_FINITE] = {"not_finite", "the sums are beyond the range of double",
                           "scale the pixels, or the weights"},
 };

@@ -29,15 +29,6 @@ typedef struct shear_plan shear_plan;
 /** One thread's scratch memory for a plan. */
 typedef struct shear_workspace shear_workspace;
 
-/** The axes of moments and shears. */
-enum shear_frame {
-    SHEAR_FRAME_PIXEL = 0, /**< x along the columns, y along the rows */
-    SHEAR_FRAME_SKY, /**< x to the West, y to the North: the convention of GalSim and TreeCorr */
-    SHEAR_FRAME_SKY_EAST /**< x to the East, y to the North: the sign of g2 is the other one */
-};
-/** Return "pixel", "sky" or "sky-east"; "unknown" for any other number. */
-const char *shear_frame_name(enum shear_frame frame);
-
 /** The shapes of stamps and PSF images. */
 typedef struct shear_geometry {
     int nx;             /**< columns of a stamp, galaxy pixels */

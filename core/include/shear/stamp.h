@@ -92,6 +92,19 @@ typedef struct shear_stamps {
     const int32_t *mask;      /**< [count] not 0: the stamp is left out; or NULL: all 0 */
 } shear_stamps;
 
+/** The axes of moments and shears. */
+enum shear_frame {
+    SHEAR_FRAME_PIXEL = 0, /**< x along the columns, y along the rows */
+    SHEAR_FRAME_SKY, /**< x to the West, y to the North: the convention of GalSim and TreeCorr */
+    SHEAR_FRAME_SKY_EAST /**< x to the East, y to the North: the sign of g2 is the other one */
+};
+/** Numbers of frames. */
+enum {
+    SHEAR_N_FRAMES = 3 /**< number of frames */
+};
+/** Return "pixel", "sky" or "sky-east"; "unknown" for any other number. */
+const char *shear_frame_name(enum shear_frame frame);
+
 /** The result for one pair. Moments are noise-corrected (galaxy minus the mean of its noise stamps)
  * unless the correction is off, and in physical units: M20 is the integral of (df/dx)^2 over the
  * plane, in pixel units, independent of the stamp's size and the interpolation; that is 1/(nx ny
@@ -130,15 +143,16 @@ typedef struct shear_row {
     double border_mean;      /**< mean of the one-pixel border, galaxy minus noise */
     double border_var;       /**< variance of that border, galaxy minus noise */
     double border_var_noise; /**< variance of the noise stamp's border */
-    double border_step_x; /**< the border's right side minus its left one, means per pixel, galaxy
-                             minus noise */
-    double border_step_y; /**< the same, top minus bottom */
-    double border_step2;  /**< sum of the squares of both steps, galaxy minus noise */
-    double weight;        /**< its weight; 1 if none was given */
-    int64_t stamp;        /**< its number in its field, from 0 */
-    int artefact_x;       /**< column of the worst artefact, from 0; -1: none */
-    int artefact_y;       /**< row of the worst artefact, from 0; -1: none */
-    uint32_t flags;       /**< bits of enum shear_flag; 0 = in the sums */
+    double border_step_x;   /**< the border's right side minus its left one, means per pixel, galaxy
+                               minus noise */
+    double border_step_y;   /**< the same, top minus bottom */
+    double border_step2;    /**< sum of the squares of both steps, galaxy minus noise */
+    double weight;          /**< its weight; 1 if none was given */
+    int64_t stamp;          /**< its number in its field, from 0 */
+    int artefact_x;         /**< column of the worst artefact, from 0; -1: none */
+    int artefact_y;         /**< row of the worst artefact, from 0; -1: none */
+    enum shear_frame frame; /**< axes of the moments; k is in radians per arcsec on the sky */
+    uint32_t flags;         /**< bits of enum shear_flag; 0 = in the sums */
 } shear_row;
 
 SHEAR_END_C

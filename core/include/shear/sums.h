@@ -106,6 +106,7 @@ typedef struct shear_block_sums {
     int64_t n_stamps;               /**< rows added */
     int64_t n_used;                 /**< rows without a flag */
     int64_t flagged[SHEAR_N_FLAGS]; /**< rows that carry each flag */
+    int64_t framed[SHEAR_N_FRAMES]; /**< rows of each frame */
     double hi[SHEAR_N_TERMS];       /**< by enum shear_term: the running sums ... */
     double lo[SHEAR_N_TERMS];       /**< ... and their compensations: a sum is hi + lo */
     shear_influence top;            /**< the stamp that counts most */
@@ -130,6 +131,8 @@ void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g);
  * never been joined, except for the stamp that counts most. If that was one of g's, it is unknown
  * (size NaN) until shear_field_sums_set_top(). */
 void shear_field_sums_subtract(shear_field_sums *f, const shear_field_sums *g);
+/** Return the frame of the stamps; SHEAR_N_FRAMES if they have several, which no shear can have. */
+int shear_field_sums_frame(const shear_field_sums *f);
 /** Return the stamp that counts most. */
 shear_influence shear_field_sums_top(const shear_field_sums *f);
 /** Set the stamp that counts most. */
@@ -153,6 +156,7 @@ enum shear_no_shear {
                         */
     SHEAR_NO_SYMMETRY, /**< fewer than 16 stamps for PDF symmetrization, or no shear makes them
                           symmetric */
+    SHEAR_NO_FRAME,    /**< stamps were measured along different axes (enum shear_frame) */
     SHEAR_NOT_FINITE   /**< sums overflow the range of double */
 };
 
