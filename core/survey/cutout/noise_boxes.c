@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "survey/cutout/noise_boxes.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+enum { REACH = 200, REACH_BOXES_HALVES = 5 };
+static const double least_ratio = 0.8;
+static const double most_ratio = 1.25;
+
+static int reach_of(const box_map *m) {
+    const int64_t wide = (int64_t)m->side * REACH_BOXES_HALVES / 2;
+    return wide > REACH ? (int)wide : REACH;
+}
+
+void noise_boxes_place(noise_boxes *b, const empty_sky *sky, arena *a) {
+    const box_map *m = &sky->boxes;
+    const size_t across = 2 * (size_t)reach_of(m) / BOX_CELL + 1;
+    const size_t columns = across < (size_t)m->columns ? across : (size_t)m->columns;
+    const size_t rows = across < (size_t)m->rows ? across : (size_t)m->rows;
+    b->sky = sky;
+    b->list = arena_take(a, columns * rows * sizeof *b->list);
+    b->gate = arena_take(a, (size_t)sky->mesh.columns);
+    b->mesh_column = arena_take(a, (size_t)m->columns * sizeof *b->mesh_column);
+    if (b->mesh_column == NULL)
+        return;
+    for (int i = 0; i < m->columns; i++) {
+        const int x = i * BOX_CELL + m->side / 2;
+        b->mesh_column[i] = noise_mesh_column(&sky->mesh, x < m->nx ? x : m->nx - 1);
+    }
+}
+
+/* Open the meshes of a row whose noise is like the galaxy's. */
+static void set_gate(noise_boxes *b, int row, double level) {
+    const noise_mesh *mesh = &b->sky->mesh;
+    const double *levels = mesh->level + (size_t)row * (size_t)mesh->columns;
+    for (int i = 0; i < mesh->columns; i++)
+        b->gate[i] = levels[i] >= least_ratio * level && levels[i] <= most_ratio * level;
+}
+
+/* Return v in cells, rounded up, at least 0. */
+static int cell_from(int v) {
+    return v <= 0 ? 0 : (v + BOX_CELL - 1) / BOX_CELL;
+}
+
+/* Return v in cells, rounded down, plus 1; at most `end`, 0 if v is negative. */
+static int cell_end(int v, int end) {
+    const int cells = v < 0 ? 0 : v / BOX_CELL + 1;
+    return cells < end ? cells : end;
+}
+
+/* List the free boxes of a row of cells, of columns first .. end-1. */
+static void list_row(noise_boxes *b, int row, int first, int end) {
+    const box_map *m = &b->sky->boxes;
+    const uint8_t *is_free = box_map_row(m, row);
+    const int32_t start = row * m->columns;
+    for (int i = first; i < end; i++) {
+        b->list[b->n] = start + i;
+        b->n += is_free[i] & b->gate[b->mesh_column[i]];
+    }
+}
+
+void noise_boxes_find(noise_boxes *b, int x, int y, int column, int frame, draw_key key) {
+    const box_map *m = &b->sky->boxes;
+    const noise_mesh *mesh = &b->sky->mesh;
+    const int reach = reach_of(m);
+    const int apart = m->side - frame;
+    const int middle = m->side / 2;
+    const double level = mesh->level[noise_mesh_at(mesh, column, y + middle)];
+    const int left = column < m->split_x ? 0 : cell_from(m->split_x);
+    const int right = column < m->split_x ? cell_end(m->split_x, m->columns) : m->columns;
+    int gate_row = -1;
+    b->n = b->next = 0;
+    b->key = key;
+    for (int j = cell_from(y - reach); j < cell_end(y + reach, m->rows); j++) {
+        const int dy = j * BOX_CELL - y;
+        const int half = (int)sqrt((double)reach * reach - (double)dy * dy);
+        const int first = cell_from(x - half) > left ? cell_from(x - half) : left;
+        const int end = cell_end(x + half, right);
+        if (noise_mesh_row(mesh, j * BOX_CELL + middle) != gate_row)
+            set_gate(b, gate_row = noise_mesh_row(mesh, j * BOX_CELL + middle), level);
+        if (abs(dy) >= apart) {
+            list_row(b, j, first, end);
+        } else {
+            const int stop = cell_end(x - apart, end);
+            const int start = cell_from(x + apart);
+            list_row(b, j, first, stop);
+            list_row(b, j, start > first ? start : first, end);
+        }
+    }
+}
+
+/* One step of a shuffle (Fisher and Yates): no box comes twice. */
+bool noise_boxes_draw(noise_boxes *b, int *x, int *y) {
+    if (b->next == b->n)
+        return false;
+    const uint32_t i = b->next + draw_index(b->key, b->next, b->n - b->next);
+    const int32_t drawn = b->list[i];
+    b->list[i] = b->list[b->next];
+    b->list[b->next++] = drawn;
+    *x = drawn % b->sky->boxes.columns * BOX_CELL;
+    *y = drawn / b->sky->boxes.columns * BOX_CELL;
+    return true;
+}
