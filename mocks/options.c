@@ -1,28 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "options.h"
 
-#include "base/cleanup.h"
-#include "base/spelling.h"
-#include "base/text.h"
-#include "value.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
+#include "option.h"
 
 static const char *const galaxy_names[] = {"regular", "irregular", NULL};
 static const char *const psf_names[] = {"a", "b", NULL};
 static const char *const layout_names[] = {"cube", "mosaic", NULL};
 
 #define AT(member) offsetof(shear_mock_spec, member)
-#define ROW(name, type, member, min, max, metavar, help)                                           \
-    { name, AT(member), NULL, min, max, metavar, help, SHEAR_MOCK_T_##type, false }
-#define ROW_AUTO(name, type, member, min, max, metavar, help)                                      \
-    { name, AT(member), NULL, min, max, metavar, help, SHEAR_MOCK_T_##type, true }
-#define CHOICE(name, member, choices, metavar, help)                                               \
-    { name, AT(member), choices, 0, 0, metavar, help, SHEAR_MOCK_T_CHOICE, false }
-#define SWITCH(name, type, member, help) ROW(name, type, member, 0, 0, NULL, help)
 
 static const shear_mock_option table[] = {
     ROW("stamps", COUNT, n_stamps, 1, 1e9, "N", "stamp pairs"),
@@ -80,179 +65,26 @@ static const shear_mock_option table[] = {
     SWITCH("no-r-gal", OFF, write_r_gal, "leave R_GAL out of the catalog"),
 };
 
-enum { N_OPTIONS = sizeof table / sizeof *table };
+static const option_table options = {table, sizeof table / sizeof *table};
 
 const shear_mock_option *shear_mock_options(size_t *n) {
-    *n = N_OPTIONS;
+    *n = options.n;
     return table;
 }
 
 const shear_mock_option *shear_mock_option_find(const char *name) {
-    for (size_t i = 0; i < N_OPTIONS; i++) {
-        if (strcmp(table[i].name, name) == 0)
-            return &table[i];
-    }
-    return NULL;
-}
-
-static const void *member(const shear_mock_spec *s, const shear_mock_option *o) {
-    return (const char *)s + o->offset;
-}
-
-/* A type's numbers (none: it has no range), the mark between two of them, and the words for them.
- */
-typedef struct option_type {
-    int numbers;
-    char mark;
-    const char *expected;
-} option_type;
-
-static const option_type types[] = {
-    [SHEAR_MOCK_T_INT] = {1, '\0', "a whole number"},
-    [SHEAR_MOCK_T_COUNT] = {1, '\0', "a whole number"},
-    [SHEAR_MOCK_T_SEED] = {0, '\0', "a whole number from 0 to 18446744073709551615"},
-    [SHEAR_MOCK_T_DOUBLE] = {1, '\0', "a number"},
-    [SHEAR_MOCK_T_PAIR] = {2, ',', "two numbers with a comma between"},
-    [SHEAR_MOCK_T_SIZE] = {2, 'x', "one whole number, or two with an x between"},
-    [SHEAR_MOCK_T_CHOICE] = {0, '\0', NULL}, /* the option's metavar */
-    [SHEAR_MOCK_T_ON] = {0, '\0', "yes or no"},
-    [SHEAR_MOCK_T_OFF] = {0, '\0', "yes or no"},
-    [SHEAR_MOCK_T_TEXT] = {0, '\0', "at most 68 printable ASCII characters"},
-};
-
-static bool is_whole(const shear_mock_option *o) {
-    return o->type == SHEAR_MOCK_T_INT || o->type == SHEAR_MOCK_T_SIZE;
-}
-
-/* Return number i of the option. */
-static double number(const shear_mock_spec *s, const shear_mock_option *o, int i) {
-    const void *m = member(s, o);
-    if (o->type == SHEAR_MOCK_T_COUNT)
-        return (double)*(const int64_t *)m;
-    return is_whole(o) ? ((const int *)m)[i] : ((const double *)m)[i];
-}
-
-static bool is_auto(const shear_mock_spec *s, const shear_mock_option *o) {
-    return o->has_auto && (is_whole(o) ? number(s, o, 0) == 0.0 : isnan(number(s, o, 0)));
-}
-
-static int check_choice(const shear_mock_spec *s, const shear_mock_option *o, shear_error *err) {
-    int value = *(const int *)member(s, o);
-    int n = 0;
-    while (o->choices[n] != NULL)
-        n++;
-    if (value < 0 || value >= n) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "mock option '%s': %d is not one of %s",
-                          o->name, value, o->metavar);
-    }
-    return SHEAR_OK;
-}
-
-static int check_range(const shear_mock_spec *s, const shear_mock_option *o, shear_error *err) {
-    if (o->type == SHEAR_MOCK_T_CHOICE)
-        return check_choice(s, o, err);
-    for (int i = 0; i < types[o->type].numbers && !is_auto(s, o); i++) {
-        const double v = number(s, o, i);
-        if (!(v >= o->min && v <= o->max)) {
-            return shear_fail(err, SHEAR_E_SETTING, NULL,
-                              "mock option '%s': %.10g is not in the range from %g to %g%s",
-                              o->name, v, o->min, o->max, o->has_auto ? ", or auto" : "");
-        }
-    }
-    return SHEAR_OK;
+    return option_find(&options, name);
 }
 
 int options_check_ranges(const shear_mock_spec *s, shear_error *err) {
-    for (size_t i = 0; i < N_OPTIONS; i++)
-        TRY(check_range(s, &table[i], err));
-    return SHEAR_OK;
-}
-
-static bool parse_number(const shear_mock_option *o, const char *text, void *m, int i) {
-    return is_whole(o) ? value_int(text, (int *)m + i) : value_double(text, (double *)m + i);
-}
-
-/* Parse two numbers; one size is that of both sides. */
-static bool parse_two(const shear_mock_option *o, const char *text, void *m) {
-    char first[64];
-    const bool fits = text_set(first, sizeof first, text);
-    char *mark = strchr(first, types[o->type].mark);
-    const char *second = mark != NULL ? mark + 1 : is_whole(o) ? first : "";
-    if (mark != NULL)
-        *mark = '\0';
-    return fits && parse_number(o, first, m, 0) && parse_number(o, second, m, 1);
-}
-
-/* Parse `text` into the member(s) of *s. Returns false if it is not of the option's type. */
-static bool parse(shear_mock_spec *s, const shear_mock_option *o, const char *text) {
-    void *m = (char *)s + o->offset;
-    bool yes = false;
-    switch (o->type) {
-    case SHEAR_MOCK_T_INT:
-        *(int *)m = 0;
-        break;
-    case SHEAR_MOCK_T_DOUBLE:
-        *(double *)m = NAN;
-        break;
-    case SHEAR_MOCK_T_COUNT:
-        return value_int64(text, m);
-    case SHEAR_MOCK_T_SEED:
-        return value_uint64(text, m);
-    case SHEAR_MOCK_T_CHOICE:
-        *(int *)m = spelling_find(o->choices, text);
-        return *(int *)m >= 0;
-    case SHEAR_MOCK_T_TEXT:
-        return value_copy(text, m, sizeof s->field);
-    case SHEAR_MOCK_T_PAIR:
-    case SHEAR_MOCK_T_SIZE:
-        return parse_two(o, text, m);
-    default:
-        if (!value_bool(text, &yes))
-            return false;
-        *(bool *)m = (o->type == SHEAR_MOCK_T_ON) == yes;
-        return true;
-    }
-    return (o->has_auto && strcmp(text, "auto") == 0) || parse_number(o, text, m, 0);
+    return option_check_ranges(&options, s, err);
 }
 
 int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear_error *err) {
-    const shear_mock_option *o = shear_mock_option_find(name);
-    if (o == NULL) {
-        return shear_fail(err, SHEAR_E_SETTING, "\"shearctl help mock\" lists the options",
-                          "there is no mock option '%s'", name);
-    }
-    bool is_switch = o->type == SHEAR_MOCK_T_ON || o->type == SHEAR_MOCK_T_OFF;
-    const char *value = text != NULL ? text : is_switch ? "yes" : "";
-    shear_mock_spec changed = *s;
-    if (!parse(&changed, o, value)) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "mock option '%s': \"%s\" is not %s%s",
-                          o->name, value,
-                          o->type == SHEAR_MOCK_T_CHOICE ? o->metavar : types[o->type].expected,
-                          o->has_auto ? ", or auto" : "");
-    }
-    TRY(check_range(&changed, o, err));
-    *s = changed;
-    return SHEAR_OK;
+    return option_set(&options, s, name, text, err);
 }
 
 char *shear_mock_format(const shear_mock_spec *s, const shear_mock_option *o, char *buf,
                         size_t size) {
-    const void *m = member(s, o);
-    char first[32];
-    char second[32];
-    if (o->type == SHEAR_MOCK_T_SEED) {
-        snprintf(buf, size, "%" PRIu64, *(const uint64_t *)m);
-    } else if (o->type == SHEAR_MOCK_T_CHOICE) {
-        text_set(buf, size, o->choices[*(const int *)m]);
-    } else if (o->type == SHEAR_MOCK_T_TEXT) {
-        text_set(buf, size, m);
-    } else if (types[o->type].numbers == 0) {
-        text_set(buf, size, *(const bool *)m == (o->type == SHEAR_MOCK_T_ON) ? "yes" : "no");
-    } else if (types[o->type].numbers == 2) {
-        snprintf(buf, size, "%s%c%s", value_of_double(number(s, o, 0), first), types[o->type].mark,
-                 value_of_double(number(s, o, 1), second));
-    } else {
-        text_set(buf, size, is_auto(s, o) ? "auto" : value_of_double(number(s, o, 0), first));
-    }
-    return buf;
+    return option_format(s, o, buf, size);
 }

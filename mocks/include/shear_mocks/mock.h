@@ -37,6 +37,7 @@ enum shear_mock_galaxy {
         0, /* thin disk and co-axial bulge, eq. (10) of Zhang (2010), cut at R_G, inclined */
     SHEAR_MOCK_IRREGULAR /* random walk that returns to the origin when it leaves R_G */
 };
+enum { SHEAR_MOCK_TEXT_SIZE = 72 };                             /* of a text option */
 enum shear_mock_psf { SHEAR_MOCK_PSF_A = 0, SHEAR_MOCK_PSF_B }; /* W_A and W_B of eq. (9) */
 
 typedef struct shear_mock_spec {
@@ -81,7 +82,7 @@ typedef struct shear_mock_spec {
                           0 */
     bool subtract_background; /* subtract the mean background from the counted photons */
     /* file */
-    char field[72]; /* FIELD; "": the file's base name */
+    char field[SHEAR_MOCK_TEXT_SIZE]; /* FIELD; "": the file's base name */
     enum shear_layout layout;
     int bitpix;       /* -32 or -64 */
     bool write_r_gal; /* CATALOG has R_GAL = R_G */
@@ -104,12 +105,12 @@ enum shear_mock_type {
     SHEAR_MOCK_T_CHOICE, /* int: index into choices */
     SHEAR_MOCK_T_ON,     /* bool, no value: given = true */
     SHEAR_MOCK_T_OFF,    /* bool, no value: given = false ("no-...") */
-    SHEAR_MOCK_T_TEXT    /* char[72] */
+    SHEAR_MOCK_T_TEXT    /* char[SHEAR_MOCK_TEXT_SIZE] */
 };
 
 typedef struct shear_mock_option {
     const char *name;           /* as in --name */
-    size_t offset;              /* of the (first) member in shear_mock_spec */
+    size_t offset;              /* of the (first) member in the spec */
     const char *const *choices; /* NULL-terminated, in the enum's order */
     double min, max;            /* inclusive range of each number */
     const char *metavar;        /* "PX"; NULL if the option has no value */
