@@ -19,7 +19,13 @@ enum random_stream {
     RANDOM_WHITE,
     RANDOM_WHITE_N,
     RANDOM_PHOTONS, /* item = pixel */
-    RANDOM_PHOTONS_N
+    RANDOM_PHOTONS_N,
+    RANDOM_EXPOSURE_PLACE, /* index = chip and object, as the next two */
+    RANDOM_EXPOSURE_GALAXY,
+    RANDOM_EXPOSURE_STAR,
+    RANDOM_EXPOSURE_NOISE, /* index = chip from here on; item = row */
+    RANDOM_EXPOSURE_COLUMNS,
+    RANDOM_EXPOSURE_COSMICS
 };
 
 typedef struct random_state {
