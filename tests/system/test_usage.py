@@ -9,7 +9,7 @@ from fitsfile import Field
 from tool import DONE, OTHER, SANITIZED, SHEARCTL, USAGE, ToolTest, shearctl
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-SUBCOMMANDS = ["measure", "mock", "validate", "plot", "help", "version"]
+SUBCOMMANDS = ["measure", "mock", "expose", "validate", "plot", "help", "version"]
 
 
 class Front(ToolTest):
