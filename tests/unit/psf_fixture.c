@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "psf_fixture.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -86,6 +87,11 @@ void psf_fixture_samples(const psf_models *p, int i, const psf_place *place, dou
         for (int t = 0; t < m->terms; t++)
             out[k] += c[t] * m->samples[(size_t)t * plane + k];
     }
+}
+
+void psf_fixture_near(double a, double b, double tolerance) {
+    if (!(fabs(a - b) <= tolerance))
+        fail_msg("%.15g is not %.15g within %g", a, b, tolerance);
 }
 
 const char *psf_fixture_real(const char *name) {

@@ -24,6 +24,9 @@ void psf_fixture_refuse(const char *path, enum shear_psf_kind kind, int code, ..
 /* Write the samples of model `i` at a place into out[ny][nx]. */
 void psf_fixture_samples(const psf_models *p, int i, const psf_place *place, double *out);
 
+/* Fail unless |a - b| <= tolerance. */
+void psf_fixture_near(double a, double b, double tolerance);
+
 /* Return the path of a file of real survey data, or NULL: there are none on this machine. */
 const char *psf_fixture_real(const char *name);
 /* Read the image in HDU `hdu` (1 = primary): [*ny][*nx], for the caller to free. */

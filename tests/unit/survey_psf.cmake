@@ -11,3 +11,4 @@ function(survey_psf_test name)
 endfunction()
 
 survey_psf_test(psf_psfex)
+survey_psf_test(psf_piff)

@@ -4,6 +4,7 @@
 #include "base/cleanup.h"
 #include "base/text.h"
 #include "survey/psf/internal.h"
+#include "survey/psf/piff.h"
 #include "survey/psf/psfex.h"
 
 #include <math.h>
@@ -30,26 +31,27 @@ static int choose_hdu(psf_models *p, const shear_input_part *part, shear_error *
     return SHEAR_OK;
 }
 
-/* Read all PSFEx models; there may be none. */
-static int read_psfex(psf_models *p, shear_error *err) {
-    for (int i = 0; i < p->file.count; i++) {
-        const sf_hdu *hdu = &p->file.hdus[i];
-        bool is = false;
-        if (p->chosen == NULL || p->chosen == hdu)
-            TRY(psfex_find(p, hdu, &is, err));
-        if (is)
-            TRY(psfex_read(p, hdu, err));
-    }
-    return SHEAR_OK;
-}
+/* The kinds of files, in the order in which they are looked for. */
+static const struct {
+    enum shear_psf_kind kind;
+    int (*read)(psf_models *p, shear_error *err);
+    const char *name;
+} kinds[] = {{SHEAR_PSF_KIND_PSFEX, psfex_read, "PSFEx model (a table with a column PSF_MASK)"},
+             {SHEAR_PSF_KIND_PIFF, piff_read, "model of Piff (a table psf with a column type)"}};
 
 static int read_models(psf_models *p, enum shear_psf_kind kind, shear_error *err) {
-    if (kind == SHEAR_PSF_KIND_AUTO || kind == SHEAR_PSF_KIND_PSFEX)
-        TRY(read_psfex(p, err));
-    if (p->n > 0)
-        return SHEAR_OK;
-    return sf_fail(err, SHEAR_E_PSF, (sf_place){p->file.source.name, NULL},
-                   "give a PSFEx file (.psf)", "holds no PSF model that is read");
+    const char *name = NULL;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0] && p->n == 0; i++) {
+        if (kind == SHEAR_PSF_KIND_AUTO || kind == kinds[i].kind) {
+            name = kind == SHEAR_PSF_KIND_AUTO ? "PSF" : kinds[i].name;
+            TRY(kinds[i].read(p, err));
+        }
+    }
+    return p->n > 0 ? SHEAR_OK
+                    : sf_fail(err, SHEAR_E_PSF, (sf_place){p->file.source.name, NULL},
+                              "give a PSFEx file (.psf), a Piff file, a cube of PSF images, or "
+                              "stamps of stars (docs/exposures.md)",
+                              "holds no %s", name);
 }
 
 /* ---- models of one shape ---- */

@@ -14,18 +14,6 @@ static const double worst_chi2 = 100.0;
 /* Of the kernel by which PSFEx itself interpolates between samples. */
 enum { LANCZOS = 3 };
 
-int psfex_find(const psf_models *p, const sf_hdu *hdu, bool *is, shear_error *err) {
-    CLEANUP(psf_record_deinit) psf_record r = {0};
-    const sf_column *mask = NULL;
-    *is = false;
-    if (hdu->kind != SF_TABLE || hdu->zimage || hdu->ztable || hdu->axes[1] < 1)
-        return SHEAR_OK;
-    TRY(psf_record_init(&r, &p->file, hdu, err));
-    TRY(sf_table_find(&r.table, "PSF_MASK", &mask, err));
-    *is = mask != NULL;
-    return SHEAR_OK;
-}
-
 static const char *key(char out[SF_INDEXED], const char *root, int i) {
     return sf_card_indexed(out, root, i + 1);
 }
@@ -219,13 +207,30 @@ static int read_model(psf_chip *c, const psf_record *r, shear_error *err) {
     return SHEAR_OK;
 }
 
-int psfex_read(psf_models *p, const sf_hdu *hdu, shear_error *err) {
-    CLEANUP(psf_record_deinit) psf_record r = {0};
-    TRY(psf_record_init(&r, &p->file, hdu, err));
-    for (r.row = 0; r.row < r.rows; r.row++) {
+static int read_rows(psf_models *p, psf_record *r, shear_error *err) {
+    for (r->row = 0; r->row < r->rows; r->row++) {
         psf_chip *c = NULL;
         TRY(psf_chip_new(p, &c, err));
-        TRY(read_model(c, &r, err));
+        TRY(read_model(c, r, err));
+    }
+    return SHEAR_OK;
+}
+
+/* Read the HDU if it is a table with a column PSF_MASK. */
+static int read_hdu(psf_models *p, const sf_hdu *hdu, shear_error *err) {
+    CLEANUP(psf_record_deinit) psf_record r = {0};
+    const sf_column *mask = NULL;
+    if (!psf_record_is_table(hdu))
+        return SHEAR_OK;
+    TRY(psf_record_init(&r, &p->file, hdu, err));
+    TRY(sf_table_find(&r.table, "PSF_MASK", &mask, err));
+    return mask != NULL ? read_rows(p, &r, err) : SHEAR_OK;
+}
+
+int psfex_read(psf_models *p, shear_error *err) {
+    for (int i = 0; i < p->file.count; i++) {
+        if (p->chosen == NULL || p->chosen == &p->file.hdus[i])
+            TRY(read_hdu(p, &p->file.hdus[i], err));
     }
     return SHEAR_OK;
 }

@@ -8,7 +8,5 @@
 
 #include "survey/psf/internal.h"
 
-/* Return whether the table `hdu` holds PSFEx models, and write it to *is. */
-int psfex_find(const psf_models *p, const sf_hdu *hdu, bool *is, shear_error *err);
-/* Append the models of `hdu`. */
-int psfex_read(psf_models *p, const sf_hdu *hdu, shear_error *err);
+/* Append the models of the file; there may be none. */
+int psfex_read(psf_models *p, shear_error *err);

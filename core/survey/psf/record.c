@@ -8,12 +8,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { MOST_NUMBERS = 1 << 26 };
+enum { MOST_NUMBERS = 1 << 26, CHUNK = 256 };
 
 void psf_label(const sf_hdu *hdu, char *label) {
     text_set(label, SF_NAME, hdu->name);
     if (label[0] == '\0')
         snprintf(label, SF_NAME, "%d (from 0)", hdu->number);
+}
+
+bool psf_record_is_table(const sf_hdu *hdu) {
+    return hdu->kind == SF_TABLE && !hdu->zimage && !hdu->ztable && hdu->axes[1] > 0;
 }
 
 int psf_record_init(psf_record *r, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
@@ -99,5 +103,22 @@ int psf_record_array(const psf_record *r, const char *name, int64_t axes[SF_AXES
             return psf_record_fail(r, name, "has a number that is not finite", err);
     }
     *values = CLEANUP_TAKE(v);
+    return SHEAR_OK;
+}
+
+int psf_record_range(const psf_record *r, const char *name, double *min, double *max,
+                     shear_error *err) {
+    const sf_column *column = NULL;
+    double v[CHUNK];
+    *min = *max = NAN;
+    TRY(sf_table_find_number(&r->table, name, &column, err));
+    for (int64_t row = 0; column != NULL && row < r->rows; row += CHUNK) {
+        const int64_t n = r->rows - row < CHUNK ? r->rows - row : CHUNK;
+        TRY(sf_table_doubles(&r->table, column, row, n, v, err));
+        for (int64_t i = 0; i < n; i++) { /* fmin and fmax ignore NaN */
+            *min = fmin(*min, v[i]);
+            *max = fmax(*max, v[i]);
+        }
+    }
     return SHEAR_OK;
 }

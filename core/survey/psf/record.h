@@ -18,6 +18,8 @@ typedef struct psf_record {
 /* Write the HDU's EXTNAME, or else its number, into label[SF_NAME]. */
 void psf_label(const sf_hdu *hdu, char *label);
 
+/* Return whether the HDU is a table with rows that can be opened. */
+bool psf_record_is_table(const sf_hdu *hdu);
 /* Open the table at row 0. *r must not move. SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM; it has no
  * row. Call psf_record_deinit after an error, too. */
 int psf_record_init(psf_record *r, const sf_file *file, const sf_hdu *hdu, shear_error *err);
@@ -33,6 +35,11 @@ int psf_record_text(const psf_record *r, const char *name, char *out, size_t siz
 /* Read all numbers of a column that must be there; *values is malloc'd. `axes`: sf_table_shape().
  * SHEAR_E_FORMAT: a number is not finite, or there are more than 2^26. */
 int psf_record_array(const psf_record *r, const char *name, int64_t axes[SF_AXES], double **values,
+                     shear_error *err);
+
+/* Find the least and the largest number of a column that is scanned whole; NaN if it has none, or
+ * there is no such column. */
+int psf_record_range(const psf_record *r, const char *name, double *min, double *max,
                      shear_error *err);
 
 /* Fail: "keyword or column NAME ...". */
