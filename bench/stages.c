@@ -32,7 +32,9 @@ static int strip_start(const stage_pair *s, int i) {
 
 static void do_psf(stage_pair *s) {
     shear_workspace *ws = s->ws;
-    transfer_make(&ws->transfer, &s->plan->transfer_plan, &ws->psf_scratch, s->psf, NULL);
+    const transfer_plan *p = &s->plan->transfer_plan;
+    psf_transform_power(&s->plan->psf_transform, &ws->psf_scratch, s->psf, ws->power, NULL);
+    transfer_make(&ws->transfer, p, &p->target, ws->power, NULL);
 }
 
 static void interpolate(const stage_pair *s, surface *im, const double *pixels) {
@@ -76,7 +78,8 @@ static void do_moments(stage_pair *s) {
                                 .down = s->ws->lanes[2],
                                 .nx = s->plan->info.fine_nx,
                                 .group = group};
-        moments_add(&s->sum, &s->noise_sum, &rows, &s->plan->transfer_plan, s->transfer);
+        moments_add(&s->sum, &s->noise_sum, &rows, &s->plan->transfer_plan.plane,
+                    s->transfer);
     }
 }
 

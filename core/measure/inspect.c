@@ -65,12 +65,12 @@ static void copy_images(const stamp_pair *s, bool has_noise, shear_inspection *o
 }
 
 /* Store mode (jx, jy), jy >= 0, and its mirror image. */
-static void put_mode(const transfer_plan *p, const transfer *t, int jx, int jy, double power,
+static void put_mode(const mode_plane *p, int s, const transfer *t, int jx, int jy, double power,
                      shear_inspection *out) {
-    const double s2 = (double)p->s * p->s;
+    const double s2 = (double)s * s;
     const double norm = (double)p->nx * p->ny * s2 * s2;
     const double both_halves = jy > 0 ? 2.0 : 1.0; /* T's weight */
-    const double weight = t->t[(size_t)(jx + p->max_jx) * p->stride + (size_t)jy];
+    const double weight = t->t[mode_plane_column(p, jx) + (size_t)jy];
     for (int sign = -1; sign <= 1; sign += 2) {
         const size_t at = (size_t)(sign * jy + p->max_jy) * (size_t)out->spec_nx +
                           (size_t)(sign * jx + p->max_jx);
@@ -95,14 +95,15 @@ static double shot_power(const shear_plan *plan, shear_workspace *ws) {
 
 static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const transfer *t,
                          shear_inspection *out) {
-    const transfer_plan *p = &plan->transfer_plan;
+    const mode_plane *p = &plan->transfer_plan.plane;
     const double flat = shot_power(plan, ws);
     for (int group = 0; group * FFT_LANES <= t->jy; group++) {
         const mode_rows rows = pack_transform_rows(plan, ws, group);
         const int left = t->jy - group * FFT_LANES;
         for (int l = 0; l < FFT_LANES && l <= left; l++) {
             for (int jx = -t->jx; jx <= t->jx; jx++)
-                put_mode(p, t, jx, group * FFT_LANES + l, moments_power(&rows, jx, l) - flat, out);
+                put_mode(p, plan->info.oversample, t, jx, group * FFT_LANES + l,
+                         moments_power(&rows, jx, l) - flat, out);
         }
     }
 }
@@ -111,7 +112,7 @@ static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const tran
 static void fill(stamp_pair *s, shear_inspection *out) {
     uint32_t flags = 0;
     measure_choose_filter(s, &flags);
-    measure_choose_transfer(s, &flags);
+    pair_transfer_choose(s, &flags);
     assert(flags == 0 && s->transfer != NULL);
     int bad;
     const bool has_noise = surface_load(&s->ws->noise, &s->plan->grid, s->noise, &bad, &bad);
@@ -123,7 +124,7 @@ static void fill(stamp_pair *s, shear_inspection *out) {
 
 int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_inspection *out, shear_error *err) {
-    const transfer_plan *p = &plan->transfer_plan;
+    const mode_plane *p = &plan->transfer_plan.plane;
     shear_row row;
     *out = (shear_inspection){0};
     TRY(shear_measure(plan, ws, stamps, i, &row, err));

@@ -8,6 +8,8 @@
 #include "measure/moments.h"
 #include "measure/photometry.h"
 #include "measure/plateau.h"
+#include "measure/psf_basis.h"
+#include "measure/psf_transform.h"
 #include "measure/sharpness.h"
 #include "measure/surface.h"
 #include "measure/transfer.h"
@@ -16,18 +18,25 @@
 struct shear_plan {
     shear_settings settings;
     shear_plan_info info;
+    double r_psf;                /* R_PSF in the frame's unit */
     surface_grid grid;           /* from stamps to the fine grid */
     fft_plan *along_x, *along_y; /* lengths fine_nx and fine_ny */
     transfer_plan transfer_plan;
-    bool has_psf; /* `transfer` serves all stamps */
-    transfer transfer;
-    filter_pair filter;  /* if there is one, and it does not differ from stamp to stamp */
-    high_band high;      /* the modes of the noise level */
-    plateau plateau;     /* if shot_noise is PLATEAU */
-    moments flat;        /* moments of a flat power of 1 under `transfer` */
-    sharpness sharpness; /* of the field's one PSF, if there is one */
-    void *memory;        /* of all tables, */
-    size_t bytes;        /* so many */
+    double psf_side;             /* samples per pixel of the PSFs, at least */
+    psf_transform psf_transform; /* if PSFs are images */
+    bool has_psf;                /* one image serves all stamps: ... */
+    double *power;               /* ... its |W|^2 */
+    transfer transfer;           /* ... and its transfer, in the pixel frame */
+    bool has_transfer;           /* which serves all stamps */
+    int n_bases;                 /* PSF models: ... */
+    psf_basis *bases;            /* [n_bases] */
+    filter_pair filter;          /* if there is one, and it does not differ from stamp to stamp */
+    high_band high;              /* the modes of the noise level */
+    plateau plateau;             /* if shot_noise is PLATEAU */
+    moments flat;                /* moments of a flat power of 1 under `transfer` */
+    sharpness sharpness;         /* of the field's one PSF, if there is one */
+    void *memory;                /* of all tables, */
+    size_t bytes;                /* so many */
 };
 
 /* Begin a plan without tables: what the request's settings leave open is resolved. Errors as of
@@ -41,15 +50,18 @@ struct shear_workspace {
     fft_lanes lanes[3]; /* [longer side + 1][FFT_LANES] for transforms */
     /* subtracted from galaxy and noise stamp before the filter; 0: nothing */
     double level, noise_level;
-    double *modes;                /* the pair, transformed along y: see pack.c */
-    size_t lane_size;             /* size of one part of `modes` */
-    filter_pair filter;           /* if it differs from stamp to stamp */
-    transfer_scratch psf_scratch; /* if each stamp has its own PSF */
-    transfer transfer;
+    double *modes;           /* the pair, transformed along y: see pack.c */
+    size_t lane_size;        /* size of one part of `modes` */
+    filter_pair filter;      /* if it differs from stamp to stamp */
+    psf_scratch psf_scratch; /* if each stamp has its own PSF image */
+    double *power;           /* |W|^2 of the stamp's own PSF */
+    target target;           /* in a frame on the sky */
+    transfer transfer;       /* unless the plan's serves all */
     /* brightest pixel of each strip of the galaxy stamp */
     double strip_most[SHEAR_MAX_SIDE / FFT_LANES];
     sharpness sharpness;        /* if each stamp has its own PSF: ... */
     const double *sharpness_of; /* ... of this image, in this batch; NULL: none */
+    const double *power_of;     /* the image that `power` was made from; NULL: none */
     const double *transfer_of;  /* the image that `transfer` was made from; NULL: none */
 };
 
@@ -95,4 +107,10 @@ stamp_pair measure_pair_at(const shear_plan *plan, shear_workspace *ws, const sh
                            int i);
 /* Choose the pair's filter or transfer. If one cannot be made, set the reason in *flags. */
 void measure_choose_filter(stamp_pair *s, uint32_t *flags);
-void measure_choose_transfer(stamp_pair *s, uint32_t *flags);
+void pair_transfer_choose(stamp_pair *s, uint32_t *flags);
+/* Return the pair's own PSF image; NULL if there is none. */
+const double *pair_transfer_image(const stamp_pair *s);
+/* Return its PSF model, and set *terms to its coefficients; NULL if there is none. */
+const psf_basis *pair_transfer_basis(const stamp_pair *s, const double **terms);
+/* Return whether it has any PSF, the plan's or its own. */
+bool pair_transfer_has_psf(const stamp_pair *s);

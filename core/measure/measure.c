@@ -41,35 +41,6 @@ void measure_choose_filter(stamp_pair *s, uint32_t *flags) {
     s->filter = &s->ws->filter;
 }
 
-/* Return the pair's own PSF image; NULL if there is none. */
-static const double *own_psf(const stamp_pair *s) {
-    const shear_geometry *g = &s->plan->info.geometry;
-    const shear_stamps *stamps = s->stamps;
-    const int index = stamps->psf_index != NULL ? stamps->psf_index[s->i] : s->i;
-    return stamps->psf == NULL || index < 0 || index >= stamps->n_psf
-               ? NULL
-               : stamps->psf + (size_t)index * (size_t)g->psf_nx * (size_t)g->psf_ny;
-}
-
-void measure_choose_transfer(stamp_pair *s, uint32_t *flags) {
-    shear_workspace *ws = s->ws;
-    if (s->plan->has_psf) {
-        s->transfer = &s->plan->transfer;
-        return;
-    }
-    const double *psf = own_psf(s);
-    if (psf != NULL && psf != ws->transfer_of) {
-        const bool made = transfer_make(&ws->transfer, &s->plan->transfer_plan, &ws->psf_scratch,
-                                        psf, NULL) == SHEAR_OK;
-        ws->transfer_of = made ? psf : NULL;
-    }
-    if (psf == NULL || ws->transfer_of == NULL) {
-        *flags |= SHEAR_FLAG_PSF_UNUSABLE;
-        return;
-    }
-    s->transfer = &ws->transfer;
-}
-
 static int negative_pixel(const stamp_pair *s, shear_error *err) {
     const pack_failure *where = &s->failure;
     return shear_fail(
@@ -119,7 +90,7 @@ static void prepare(stamp_pair *s, uint32_t *flags) {
     uint32_t psf_flag = 0;
     measure_choose_filter(s, flags);
     if (*flags == 0)
-        measure_choose_transfer(s, &psf_flag);
+        pair_transfer_choose(s, &psf_flag);
     if (s->transfer != NULL) {
         s->packed = pack_pair(s->plan, s->ws, s->filter, s->galaxy, s->noise, false, s->transfer,
                               &s->ph, &s->failure);
@@ -136,7 +107,7 @@ static const sharpness *choose_sharpness(const stamp_pair *s) {
     const shear_geometry *g = &s->plan->info.geometry;
     if (s->plan->has_psf)
         return &s->plan->sharpness;
-    const double *psf = own_psf(s);
+    const double *psf = s->plan->n_bases == 0 ? pair_transfer_image(s) : NULL;
     if (psf == NULL)
         return NULL;
     if (psf != s->ws->sharpness_of) {
@@ -236,19 +207,33 @@ static bool more_noise(stamp_pair *s, spectra *sp, shear_row *row) {
     return true;
 }
 
-/* Begin the row with the flags of the catalog. */
-static void begin_row(const stamp_pair *s, shear_row *row) {
+/* Begin the row with the flags of the catalog and of the reader. Return false if the reader has
+ * found a reason to leave it out; then the pixels mean nothing. */
+static bool begin_row(const stamp_pair *s, shear_row *row) {
     const shear_stamps *stamps = s->stamps;
+    const uint32_t found = stamps->flags != NULL ? stamps->flags[s->i] : 0;
     const double weight = stamps->weight != NULL ? stamps->weight[s->i] : 1.0;
     const bool masked = stamps->mask != NULL && stamps->mask[s->i] != 0;
     row_init(row, stamps->first + s->i, weight,
-             flag_if(masked, SHEAR_FLAG_MASKED) |
+             found | flag_if(masked, SHEAR_FLAG_MASKED) |
                  flag_if(!shear_weight_is_good(weight), SHEAR_FLAG_BAD_WEIGHT));
+    return found == 0;
+}
+
+/* Take the sums over modes to the frame of the moments. */
+static void take_to_frame(const stamp_pair *s, spectra *sp) {
+    const frame_map *map = &s->ws->target.map;
+    if (s->plan->info.frame == SHEAR_FRAME_PIXEL)
+        return;
+    moments_take_to_frame(&sp->difference, map);
+    moments_take_to_frame(&sp->noise, map);
+    moments_take_to_frame(&sp->cross, map);
 }
 
 static int measure_one(stamp_pair *s, shear_row *row, shear_error *err) {
     const shear_plan *plan = s->plan;
-    begin_row(s, row);
+    if (!begin_row(s, row))
+        return SHEAR_OK;
     prepare(s, &row->flags);
     if (row->flags == 0)
         find_artefact(s, s->galaxy, s->noise, &s->ph, row);
@@ -265,15 +250,22 @@ static int measure_one(stamp_pair *s, shear_row *row, shear_error *err) {
     spectra_subtract_plateau(&sp, plan, s->transfer);
     if (!s->noisy)
         spectra_forget_noise(&sp);
+    take_to_frame(s, &sp);
     row_fill_noise(row, &sp, plan);
     if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS)
-        row_fill_cross(row, &sp.cross, plan->info.beta_px, plan->info.r_psf_px);
-    row_fill_moments(row, &sp.difference, plan->info.beta_px);
+        row_fill_cross(row, &sp.cross, plan->info.beta, plan->r_psf);
+    row_fill_moments(row, &sp.difference, plan->info.beta);
     return SHEAR_OK;
 }
 
-static int check_shape(const shear_plan *plan, const shear_stamps *stamps, shear_error *err) {
+static int check_stamps(const shear_plan *plan, const shear_stamps *stamps, shear_error *err) {
     const shear_geometry *g = &plan->info.geometry;
+    if ((plan->n_bases > 0 && stamps->psf_terms == NULL) ||
+        (plan->info.frame != SHEAR_FRAME_PIXEL && stamps->jacobian == NULL)) {
+        return shear_fail(err, SHEAR_E_INTERNAL, "give psf_terms and jacobian",
+                          "stamps without %s given to a plan that needs them",
+                          stamps->jacobian == NULL ? "Jacobians" : "coefficients of the PSF");
+    }
     if (stamps->nx == g->nx && stamps->ny == g->ny)
         return SHEAR_OK;
     return shear_fail(err, SHEAR_E_INTERNAL, "make a plan for this shape",
@@ -283,8 +275,10 @@ static int check_shape(const shear_plan *plan, const shear_stamps *stamps, shear
 
 int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                         int from, int to, shear_row *rows, shear_error *err) {
-    TRY(check_shape(plan, stamps, err));
-    ws->transfer_of = NULL; /* the caller may have put other images into the same memory */
+    TRY(check_stamps(plan, stamps, err));
+    /* The caller may have put other images into the same memory. */
+    ws->power_of = NULL;
+    ws->transfer_of = NULL;
     ws->sharpness_of = NULL;
     for (int i = from; i < to; i++) {
         stamp_pair s = measure_pair_at(plan, ws, stamps, i);
@@ -300,14 +294,15 @@ int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamp
 
 int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err) {
-    TRY(check_shape(plan, stamps, err));
+    TRY(check_stamps(plan, stamps, err));
     stamp_pair s = measure_pair_at(plan, ws, stamps, i);
-    begin_row(&s, row);
+    if (!begin_row(&s, row))
+        return SHEAR_OK;
     ws->sharpness_of = NULL;
     s.ph = look(&s, s.galaxy, s.noise);
     row->flags |= flags_of_pixels(&s);
     measure_choose_filter(&s, &row->flags);
-    row->flags |= flag_if(!plan->has_psf && own_psf(&s) == NULL, SHEAR_FLAG_PSF_UNUSABLE);
+    row->flags |= flag_if(!pair_transfer_has_psf(&s), SHEAR_FLAG_PSF_UNUSABLE);
     if (row->flags == 0)
         find_artefact(&s, s.galaxy, s.noise, &s.ph, row);
     for (int k = 1; k < s.planes && row->flags == 0; k++) {

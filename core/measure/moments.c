@@ -100,12 +100,14 @@ SHEAR_SIMD static void moments_of_lanes(const lane_sums *sums, double ux, double
         out[3][l] = x4 + 2.0 * x2 * y2 + y2 * y2 * s0;
         out[4][l] = x4 - 6.0 * x2 * y2 + y2 * y2 * s0;
         out[5][l] = x3 * y - x1 * y * y2;
+        out[6][l] = x4 - y2 * y2 * s0;
+        out[7][l] = x3 * y + x1 * y * y2;
     }
 }
 
 /* Add the sums of rows [first, first + FFT_LANES) to the moments. */
-static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p, int first) {
-    double lanes[6][FFT_LANES];
+static void add_lanes(moments *m, const lane_sums *sums, const mode_plane *p, int first) {
+    double lanes[8][FFT_LANES];
     moments_of_lanes(sums, 2.0 * M_PI / p->nx, 2.0 * M_PI / p->ny, first, lanes);
     m->m20 += fft_total(lanes[0]);
     m->m02 += fft_total(lanes[1]);
@@ -113,14 +115,16 @@ static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p,
     m->m4 += fft_total(lanes[3]);
     m->u += fft_total(lanes[4]);
     m->v += fft_total(lanes[5]);
+    m->c4 += fft_total(lanes[6]);
+    m->s4 += fft_total(lanes[7]);
 }
 
 /* Return T at (0, jy). */
-static const double *middle_column(const transfer_plan *p, const transfer *t, int jy) {
-    return t->t + (size_t)p->max_jx * p->stride + (size_t)jy;
+static const double *middle_column(const mode_plane *p, const transfer *t, int jy) {
+    return t->t + mode_plane_column(p, 0) + (size_t)jy;
 }
 
-static void add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
+static void add(moments *m, moments *noise, const mode_rows *rows, const mode_plane *p,
                 const transfer *t, enum spectra which) {
     const int first = rows->group * FFT_LANES;
     lane_sums sums;
@@ -135,17 +139,16 @@ static void add(moments *m, moments *noise, const mode_rows *rows, const transfe
         add_lanes(noise, &noise_sums, p, first);
 }
 
-void moments_add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
+void moments_add(moments *m, moments *noise, const mode_rows *rows, const mode_plane *p,
                  const transfer *t) {
     add(m, noise, rows, p, t, noise != NULL ? WITH_NOISE : DIFFERENCE);
 }
 
-void moments_add_cross(moments *m, const mode_rows *rows, const transfer_plan *p,
-                       const transfer *t) {
+void moments_add_cross(moments *m, const mode_rows *rows, const mode_plane *p, const transfer *t) {
     add(m, NULL, rows, p, t, CROSS);
 }
 
-moments moments_of_flat(const transfer_plan *p, const transfer *t) {
+moments moments_of_flat(const mode_plane *p, const transfer *t) {
     moments m = {0};
     for (int first = 0; first <= t->jy; first += FFT_LANES) {
         const double *middle = middle_column(p, t, first);
@@ -168,4 +171,47 @@ void moments_join(moments *m, double factor, const moments *other) {
     m->m4 += factor * other->m4;
     m->u += factor * other->u;
     m->v += factor * other->v;
+    m->c4 += factor * other->c4;
+    m->s4 += factor * other->s4;
+}
+
+/* ---- another frame ---- */
+
+/* Multiply a polynomial c[0 .. degree] of (kx, ky), whose element i belongs to kx^(degree-i) ky^i,
+ * by a kx + b ky. */
+static void multiply(double *c, int degree, double a, double b) {
+    c[degree + 1] = b * c[degree];
+    for (int i = degree; i > 0; i--)
+        c[i] = a * c[i] + b * c[i - 1];
+    c[0] *= a;
+}
+
+/* Return the sum of qx^(degree-i) qy^i from the sums s[0 .. degree] of kx^(degree-j) ky^j. */
+static double sum_of(const frame_map *m, int degree, int i, const double *s) {
+    double c[5] = {1.0};
+    double sum = 0.0;
+    for (int n = 0; n < degree; n++)
+        multiply(c, n, n < i ? m->a[2] : m->a[0], n < i ? m->a[3] : m->a[1]);
+    for (int j = 0; j <= degree; j++)
+        sum += c[j] * s[j];
+    return sum / m->area;
+}
+
+void moments_take_to_frame(moments *sums, const frame_map *m) {
+    const double s2[3] = {sums->m20, sums->m11, sums->m02};
+    const double middle = 0.125 * (sums->m4 - sums->u);
+    const double even = sums->m4 - 2.0 * middle;
+    const double s4[5] = {0.5 * (even + sums->c4), 0.5 * (sums->s4 + sums->v), middle,
+                          0.5 * (sums->s4 - sums->v), 0.5 * (even - sums->c4)};
+    double q[5];
+    for (int i = 0; i <= 4; i++)
+        q[i] = sum_of(m, 4, i, s4);
+    *sums = (moments){.m20 = sum_of(m, 2, 0, s2),
+                      .m11 = sum_of(m, 2, 1, s2),
+                      .m02 = sum_of(m, 2, 2, s2),
+                      .m4 = q[0] + 2.0 * q[2] + q[4],
+                      .u = q[0] - 6.0 * q[2] + q[4],
+                      .v = q[1] - q[3],
+                      .c4 = q[0] - q[4],
+                      .s4 = q[1] + q[3]};
 }

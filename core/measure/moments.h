@@ -12,8 +12,10 @@
 #include "base/simd.h"
 #include "measure/transfer.h"
 
+/* Sums over k of T P times kx^2, ky^2, kx ky, k^4, kx^4 - 6 kx^2 ky^2 + ky^4, kx^3 ky - kx ky^3,
+ * kx^4 - ky^4, and kx^3 ky + kx ky^3. The last two are only needed to change the frame. */
 typedef struct moments {
-    double m20, m02, m11, m4, u, v;
+    double m20, m02, m11, m4, u, v, c4, s4;
 } moments;
 
 /* FFT_LANES rows of modes and their mirror images, as a transform along x leaves them. Lane l of
@@ -51,16 +53,18 @@ static SHEAR_INLINE double mode_noise(mode z) {
 
 /* Add the modes of one group; groups are 0 .. t->jy / FFT_LANES. `noise` gets the moments of the
  * noise stamp alone, or is NULL. */
-void moments_add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
+void moments_add(moments *m, moments *noise, const mode_rows *rows, const mode_plane *p,
                  const transfer *t);
 /* The same for the cross spectrum. */
-void moments_add_cross(moments *m, const mode_rows *rows, const transfer_plan *p,
-                       const transfer *t);
+void moments_add_cross(moments *m, const mode_rows *rows, const mode_plane *p, const transfer *t);
 
 /* Return the moments of a power that is 1 at every mode. */
-moments moments_of_flat(const transfer_plan *p, const transfer *t);
+moments moments_of_flat(const mode_plane *p, const transfer *t);
 /* m += factor other */
 void moments_join(moments *m, double factor, const moments *other);
+
+/* Turn sums over k into those over q in another frame, as integrals over that frame's plane. */
+void moments_take_to_frame(moments *m, const frame_map *map);
 
 /* Return the corrected power of mode (jx, FFT_LANES group + lane). For images only. */
 double moments_power(const mode_rows *rows, int jx, int lane);

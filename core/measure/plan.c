@@ -5,36 +5,75 @@
 #include "base/cleanup.h"
 #include "common/release.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* A PSF made by FFTs has negative samples of this fraction of its peak; log methods treat them as
  * 0. */
 static const double psf_rounding = 1e-4;
 
-static void place_grids(shear_plan *plan, arena *a) {
+/* Return k_limit over pi: the Nyquist circle of the fine grid or of the PSF's samples, if that is
+ * smaller. Of models only modes that may count are kept, with a margin for pixels that are larger
+ * than the median. */
+static double side_of(const shear_plan *plan) {
+    static const double margin = 1.3;
+    const double side = fmin(plan->info.oversample, plan->psf_side);
+    return plan->n_bases == 0
+               ? side
+               : fmin(side, margin / M_PI *
+                                target_farthest(plan->info.beta_px, plan->settings.psf_threshold));
+}
+
+/* Place the interpolation and transform of PSF images. */
+static void place_psf_transform(shear_plan *plan, arena *a) {
     const shear_plan_info *info = &plan->info;
     const shear_settings *set = &plan->settings;
     const shear_geometry *g = &info->geometry;
-    transfer_plan *tp = &plan->transfer_plan;
-    *tp = (transfer_plan){.nx = g->nx,
-                          .ny = g->ny,
-                          .s = info->oversample,
+    psf_transform *pt = &plan->psf_transform;
+    const int factor = info->psf_oversample / g->psf_oversample;
+    *pt = (psf_transform){.plane = plan->transfer_plan.plane,
                           .psf_nx = g->psf_nx,
                           .psf_ny = g->psf_ny,
-                          .q = info->psf_oversample,
-                          .beta_px = info->beta_px,
-                          .threshold = set->psf_threshold,
-                          .power_tolerance = set->power_tolerance};
-    const int psf_factor = info->psf_oversample / g->psf_oversample;
-    const enum shear_interpolation psf_method =
-        psf_factor > 1 ? info->interpolation : SHEAR_INTERP_NONE;
-    surface_grid_place(&plan->grid, g->nx, g->ny, info->interpolation, info->oversample, set->zeros,
-                       set->pedestal, a);
-    surface_grid_place(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0, a);
-    tp->grid.rounding = psf_rounding;
-    transfer_plan_place(tp, a);
-    if (plan->has_psf)
-        transfer_place(&plan->transfer, tp, a);
+                          .q = info->psf_oversample};
+    surface_grid_place(&pt->grid, g->psf_nx, g->psf_ny,
+                       factor > 1 ? info->interpolation : SHEAR_INTERP_NONE, factor, set->zeros,
+                       0.0, a);
+    pt->grid.rounding = psf_rounding;
+    psf_transform_set_sizes(pt);
+}
+
+static void place_bases(shear_plan *plan, const shear_psf_model *models, arena *a) {
+    psf_basis basis;
+    plan->bases = arena_take(a, (size_t)plan->n_bases * sizeof *plan->bases);
+    for (int i = 0; i < plan->n_bases; i++) {
+        psf_basis_place(&basis, &plan->transfer_plan.plane, &models[i], a);
+        if (plan->bases != NULL)
+            plan->bases[i] = basis;
+    }
+}
+
+static void place_transfers(shear_plan *plan, const shear_psf_model *models, arena *a) {
+    const shear_plan_info *info = &plan->info;
+    const shear_settings *set = &plan->settings;
+    transfer_plan *tp = &plan->transfer_plan;
+    *tp =
+        (transfer_plan){.plane = mode_plane_of(info->geometry.nx, info->geometry.ny, side_of(plan)),
+                        .s = info->oversample,
+                        .threshold = set->psf_threshold,
+                        .power_tolerance = set->power_tolerance,
+                        .farthest = target_farthest(info->beta, set->psf_threshold)};
+    target_place(&tp->target, &tp->plane, false, a);
+    if (a->memory != NULL)
+        target_fill_pixel(&tp->target, &tp->plane, info->beta_px, tp->s);
+    if (plan->n_bases > 0) {
+        place_bases(plan, models, a);
+    } else {
+        place_psf_transform(plan, a);
+    }
+    if (plan->has_psf) {
+        plan->power = arena_doubles(a, tp->plane.size);
+        transfer_place(&plan->transfer, &tp->plane, a);
+    }
 }
 
 static void place_filter(shear_plan *plan, arena *a) {
@@ -47,10 +86,12 @@ static void place_filter(shear_plan *plan, arena *a) {
 }
 
 /* Place the plan's tables, and fill all but the transfer unless the arena only counts. */
-static void place(shear_plan *plan, arena *a) {
+static void place(shear_plan *plan, const shear_psf_model *models, arena *a) {
     const shear_geometry *g = &plan->info.geometry;
     const enum shear_noise_band band = plan->info.noise_band;
-    place_grids(plan, a);
+    surface_grid_place(&plan->grid, g->nx, g->ny, plan->info.interpolation, plan->info.oversample,
+                       plan->settings.zeros, plan->settings.pedestal, a);
+    place_transfers(plan, models, a);
     place_filter(plan, a);
     if (band != SHEAR_NOISE_BAND_NONE)
         high_band_place(&plan->high, g->nx, g->ny, band == SHEAR_NOISE_BAND_CORNERS, a);
@@ -60,52 +101,68 @@ static void place(shear_plan *plan, arena *a) {
 }
 
 /* Return false if out of memory. */
-static bool make_tables(shear_plan *plan) {
+static bool make_ffts(shear_plan *plan) {
+    psf_transform *pt = &plan->psf_transform;
+    plan->along_x = fft_plan_new(plan->info.fine_nx);
+    plan->along_y = fft_plan_new(plan->info.fine_ny);
+    if (plan->n_bases > 0)
+        return plan->along_x != NULL && plan->along_y != NULL;
+    pt->along_x = fft_plan_new(pt->period_nx);
+    pt->along_y = fft_plan_new(pt->period_ny);
+    return plan->along_x != NULL && plan->along_y != NULL && pt->along_x != NULL &&
+           pt->along_y != NULL;
+}
+
+/* Return false if out of memory. */
+static bool make_tables(shear_plan *plan, const shear_psf_model *models) {
     arena a = {0};
-    place(plan, &a);
+    place(plan, models, &a);
     plan->memory = arena_allocate(&a);
     if (plan->memory == NULL)
         return false;
-    place(plan, &a);
-    transfer_plan *tp = &plan->transfer_plan;
-    plan->along_x = fft_plan_new(plan->info.fine_nx);
-    plan->along_y = fft_plan_new(plan->info.fine_ny);
-    tp->along_x = fft_plan_new(tp->period_nx);
-    tp->along_y = fft_plan_new(tp->period_ny);
-    return plan->along_x != NULL && plan->along_y != NULL && tp->along_x != NULL &&
-           tp->along_y != NULL;
+    place(plan, models, &a);
+    for (int i = 0; i < plan->n_bases; i++) {
+        if (!psf_basis_fill(&plan->bases[i], &plan->transfer_plan.plane, &models[i]))
+            return false;
+    }
+    return make_ffts(plan);
 }
 
 static int out_of_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory while planning");
 }
 
-/* Make the field's one transfer, with temporary scratch. */
+/* Make the transfer of the field's one PSF in the pixel frame, with temporary scratch. In a frame
+ * on the sky it only shows whether beta is large enough. */
 static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) {
     const shear_geometry *g = &plan->info.geometry;
-    transfer_scratch scratch;
+    const transfer_plan *tp = &plan->transfer_plan;
+    psf_scratch scratch;
     arena a = {0};
-    transfer_scratch_place(&scratch, &plan->transfer_plan, &a);
+    psf_scratch_place(&scratch, &plan->psf_transform, &a);
     CLEANUP(release_free) void *memory = arena_allocate(&a);
     if (memory == NULL)
         return out_of_memory(err);
-    transfer_scratch_place(&scratch, &plan->transfer_plan, &a);
-    TRY(transfer_make(&plan->transfer, &plan->transfer_plan, &scratch, psf, err));
+    psf_scratch_place(&scratch, &plan->psf_transform, &a);
+    TRY(psf_transform_power(&plan->psf_transform, &scratch, psf, plan->power, err));
+    TRY(transfer_make(&plan->transfer, tp, &tp->target, plan->power, err));
     plan->info.k_cut = plan->transfer.k_cut;
-    plan->flat = moments_of_flat(&plan->transfer_plan, &plan->transfer);
+    plan->flat = moments_of_flat(&tp->plane, &plan->transfer);
     plan->sharpness = sharpness_of(psf, g->psf_nx, g->psf_ny, g->psf_oversample);
     return SHEAR_OK;
 }
 
 /* With a PSF per stamp, only the grid's own limit can be checked here. */
 static int check_limit(shear_plan *plan, shear_error *err) {
-    const transfer_plan *p = &plan->transfer_plan;
-    plan->info.k_cut = p->k_limit;
-    if (transfer_power_beyond(p->beta_px, p->k_limit) > p->power_tolerance) {
+    const double limit = plan->transfer_plan.plane.k_limit;
+    const double beta_px = plan->info.beta_px;
+    const double tolerance = plan->settings.power_tolerance;
+    plan->info.k_cut = limit;
+    if (transfer_power_beyond(beta_px, limit) > tolerance) {
         return shear_fail(
             err, SHEAR_E_BETA, "use a larger beta, or interpolate",
             "beta = %.4g px is too small for this sampling; the smallest that works is %.4f px",
-            p->beta_px, transfer_smallest_beta(p->k_limit, p->power_tolerance));
+            beta_px, transfer_smallest_beta(limit, tolerance));
     }
     return SHEAR_OK;
 }
@@ -116,7 +173,7 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
     if (plan == NULL)
         return out_of_memory(err);
     TRY(plan_resolve(plan, request, err));
-    if (!make_tables(plan))
+    if (!make_tables(plan, request->models))
         return out_of_memory(err);
     TRY(request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
@@ -128,22 +185,24 @@ int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, s
     shear_plan plan;
     *memory = (shear_memory){0};
     TRY(plan_resolve(&plan, request, err));
-    transfer_scratch scratch;
+    psf_scratch scratch;
     arena of_plan = {0};
     arena of_planning = {0};
-    place(&plan, &of_plan);
-    transfer_scratch_place(&scratch, &plan.transfer_plan, &of_planning);
+    place(&plan, request->models, &of_plan);
+    if (plan.has_psf)
+        psf_scratch_place(&scratch, &plan.psf_transform, &of_planning);
     *memory = (shear_memory){.plan = shear_plan_bytes(&plan),
-                             .planning = plan.has_psf ? (int64_t)of_planning.used : 0,
+                             .planning = (int64_t)of_planning.used,
                              .workspace = shear_workspace_bytes(&plan)};
     return SHEAR_OK;
 }
 
 int64_t shear_plan_bytes(const shear_plan *plan) {
-    const transfer_plan *tp = &plan->transfer_plan;
+    const psf_transform *pt = &plan->psf_transform;
+    const size_t psf =
+        plan->n_bases > 0 ? 0 : fft_plan_bytes(pt->period_nx) + fft_plan_bytes(pt->period_ny);
     return (int64_t)(sizeof *plan + plan->bytes + fft_plan_bytes(plan->info.fine_nx) +
-                     fft_plan_bytes(plan->info.fine_ny) + fft_plan_bytes(tp->period_nx) +
-                     fft_plan_bytes(tp->period_ny));
+                     fft_plan_bytes(plan->info.fine_ny) + psf);
 }
 
 void shear_plan_free(shear_plan *plan) {
@@ -151,10 +210,15 @@ void shear_plan_free(shear_plan *plan) {
         return;
     fft_plan_free(plan->along_x);
     fft_plan_free(plan->along_y);
-    fft_plan_free(plan->transfer_plan.along_x);
-    fft_plan_free(plan->transfer_plan.along_y);
+    fft_plan_free(plan->psf_transform.along_x);
+    fft_plan_free(plan->psf_transform.along_y);
     free(plan->memory);
     free(plan);
+}
+
+const char *shear_frame_name(enum shear_frame frame) {
+    static const char *const names[] = {"pixel", "sky", "sky-east"};
+    return frame <= SHEAR_FRAME_SKY_EAST ? names[frame] : "unknown";
 }
 
 const char *shear_noise_band_name(enum shear_noise_band band) {

@@ -17,13 +17,15 @@ static const double aliases_vanish_px = 1.2;
 /* With such a PSF galaxies have no power beyond 3/4 of Nyquist (docs/method.md, section 5). */
 static const double smooth_px = 1.3;
 
-static int check_geometry(const shear_geometry *g, shear_error *err) {
+static int check_geometry(const shear_geometry *g, bool has_images, shear_error *err) {
     if (g->nx < SHEAR_MIN_SIDE || g->ny < SHEAR_MIN_SIDE || g->nx > SHEAR_MAX_SIDE ||
         g->ny > SHEAR_MAX_SIDE) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "stamps of %d x %d px: each side must be %d to %d px", g->nx, g->ny,
                           SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
     }
+    if (!has_images)
+        return SHEAR_OK;
     if (g->psf_nx < 2 || g->psf_ny < 2 || g->psf_oversample < 1) {
         return shear_fail(err, SHEAR_E_PSF, NULL,
                           "a PSF of %d x %d samples, %d per pixel: too small", g->psf_nx, g->psf_ny,
@@ -70,8 +72,7 @@ static enum shear_interpolation choose_interpolation(const shear_settings *set,
                                                        : SHEAR_INTERP_LOG_BICUBIC;
 }
 
-/* Resolve interpolation, s and the PSF's sampling. A PSF that is sampled finer than the pixels is
- * used as it is, if its samples are no further apart than its radius. */
+/* Resolve interpolation and s. */
 static int resolve_sampling(const shear_settings *set, shear_plan_info *info, shear_error *err) {
     const double r = info->r_psf_px;
     info->interpolation = set->interpolation;
@@ -86,11 +87,6 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, sh
                           shear_interpolation_name(info->interpolation));
     }
     info->oversample = none ? 1 : set->oversample > 0 ? set->oversample : finest_needed(r);
-    const int given = info->geometry.psf_oversample;
-    const bool fine_enough = given > 1 && r * given >= well_sampled_px;
-    info->psf_oversample = given;
-    while (!none && !fine_enough && info->psf_oversample < info->oversample)
-        info->psf_oversample *= 2;
     info->fine_nx = info->geometry.nx * info->oversample;
     info->fine_ny = info->geometry.ny * info->oversample;
     if ((double)info->fine_nx * info->fine_ny > max_fine_points) {
@@ -99,6 +95,19 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, sh
                           "a fine grid of %d x %d points (oversample %d) is too large",
                           info->fine_nx, info->fine_ny, info->oversample);
     }
+    return SHEAR_OK;
+}
+
+/* The PSF's sampling: finer than as given where the stamps are interpolated, too. A PSF that is
+ * sampled finer than the pixels is used as it is, if its samples are no further apart than its
+ * radius. */
+static int resolve_psf_sampling(shear_plan_info *info, shear_error *err) {
+    const bool none = info->interpolation == SHEAR_INTERP_NONE;
+    const int given = info->geometry.psf_oversample;
+    const bool fine_enough = given > 1 && info->r_psf_px * given >= well_sampled_px;
+    info->psf_oversample = given;
+    while (!none && !fine_enough && info->psf_oversample < info->oversample)
+        info->psf_oversample *= 2;
     return check_psf_size(info, err);
 }
 
@@ -193,6 +202,58 @@ static int resolve_radii(const shear_settings *set, shear_plan_info *info,
     return SHEAR_OK;
 }
 
+/* Resolve the frame and its unit. */
+static int resolve_frame(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
+    const bool pixel = request->frame == SHEAR_FRAME_PIXEL;
+    const double unit = pixel ? 1.0 : request->pixel_scale;
+    if (!(unit > 0.0) || !isfinite(unit)) {
+        return shear_fail(err, SHEAR_E_FORMAT, "give pixel_scale, arcsec per pixel",
+                          "a plan of frame %s needs the scale of the pixels, which is %g",
+                          shear_frame_name(request->frame), unit);
+    }
+    plan->info.frame = request->frame;
+    plan->info.beta = plan->info.beta_px * unit;
+    plan->r_psf = plan->info.r_psf_px * unit;
+    plan->has_transfer = plan->has_psf && pixel;
+    return SHEAR_OK;
+}
+
+/* Return what is wrong with a model, or NULL. */
+static const char *model_fault(const shear_psf_model *m, int terms, const shear_geometry *g) {
+    const bool modes = m->axes == SHEAR_PSF_AXES_MODES;
+    return m->terms != terms || terms < 1 || terms > SHEAR_MAX_PSF_TERMS ? "number of terms"
+           : m->nx < 1 || m->nx > SHEAR_MAX_PSF_SIDE || m->ny < 1 || m->ny > SHEAR_MAX_PSF_SIDE ||
+                   (modes && (m->nx != g->nx || m->ny != g->ny))
+               ? "size of its planes"
+           : !modes && (!(m->step > 1e-3) || !(m->step < 1e3)) ? "step"
+           : m->lanczos < 0 || m->lanczos > 16                 ? "order of the Lanczos kernel"
+                                                               : NULL;
+}
+
+/* Check the models, and find the coarsest of their samplings. */
+static int resolve_models(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
+    plan->n_bases = request->n_models;
+    plan->psf_side = INFINITY;
+    for (int i = 0; i < request->n_models; i++) {
+        const shear_psf_model *m = &request->models[i];
+        const char *fault = model_fault(m, request->models[0].terms, &request->geometry);
+        if (fault != NULL)
+            return shear_fail(err, SHEAR_E_PSF, NULL, "PSF model %d: impossible %s", i, fault);
+        const double unit = m->axes == SHEAR_PSF_AXES_SKY ? request->pixel_scale : 1.0;
+        const double side = m->axes == SHEAR_PSF_AXES_MODES ? 1.0 : unit / m->step;
+        plan->psf_side = fmin(plan->psf_side, side);
+    }
+    return SHEAR_OK;
+}
+
+static int resolve_psfs(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
+    if (request->n_models > 0)
+        return resolve_models(plan, request, err);
+    TRY(resolve_psf_sampling(&plan->info, err));
+    plan->psf_side = plan->info.psf_oversample;
+    return SHEAR_OK;
+}
+
 int plan_resolve(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
     const shear_settings *set = &plan->settings;
     shear_plan_info *info = &plan->info;
@@ -200,9 +261,11 @@ int plan_resolve(shear_plan *plan, const shear_plan_request *request, shear_erro
                          .info = {.geometry = request->geometry},
                          .has_psf = request->psf != NULL};
     TRY(shear_settings_check(set, err));
-    TRY(check_geometry(&info->geometry, err));
+    TRY(check_geometry(&info->geometry, request->n_models == 0, err));
     TRY(resolve_radii(set, info, request, err));
+    TRY(resolve_frame(plan, request, err));
     TRY(resolve_sampling(set, info, err));
+    TRY(resolve_psfs(plan, request, err));
     info->noise_band = resolve_noise_band(set, info);
     return resolve_filter(set, info, request, err);
 }

@@ -67,7 +67,7 @@ void row_fill_moments(shear_row *row, const moments *m, double beta) {
 
 void row_fill_noise(shear_row *row, const spectra *sp, const shear_plan *plan) {
     const moments *m = &sp->noise;
-    const double beta2 = plan->info.beta_px * plan->info.beta_px;
+    const double beta2 = plan->info.beta * plan->info.beta;
     const shear_geometry *g = &plan->info.geometry;
     row->noise_n1 = -0.5 * (m->m20 - m->m02);
     row->noise_n2 = -m->m11;

@@ -4,7 +4,7 @@
 #include <assert.h>
 
 static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows *rows, spectra *s) {
-    const transfer_plan *p = &plan->transfer_plan;
+    const mode_plane *p = &plan->transfer_plan.plane;
     if (rows->group * FFT_LANES <= t->jy) {
         moments_add(&s->difference, plan->settings.noise_correction ? &s->noise : NULL, rows, p, t);
         if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS)
@@ -57,7 +57,8 @@ void spectra_forget_noise(spectra *s) {
 
 void spectra_subtract_plateau(spectra *s, const shear_plan *plan, const transfer *t) {
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
-        const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
+        const moments flat =
+            plan->has_transfer ? plan->flat : moments_of_flat(&plan->transfer_plan.plane, t);
         moments_join(&s->difference, -s->shot, &flat);
     }
 }

@@ -6,11 +6,26 @@
 
 /* Place memory for the rows of modes that any transfer of the plan may need. */
 static void place_modes(shear_workspace *ws, const shear_plan *plan, arena *a) {
-    const transfer widest = {.jy = plan->has_psf ? plan->transfer.jy : plan->transfer_plan.max_jy};
+    const transfer widest = {.jy = plan->has_transfer ? plan->transfer.jy
+                                                      : plan->transfer_plan.plane.max_jy};
     const size_t groups = (size_t)mode_groups_last(plan, &widest) + 1;
     /* One more column, so that the parts do not share cache sets. */
     ws->lane_size = ((size_t)plan->info.fine_nx + 1) * FFT_LANES;
     ws->modes = arena_doubles(a, 4 * groups * ws->lane_size);
+}
+
+/* Place what makes a transfer for each stamp. */
+static void place_transfer(shear_workspace *ws, const shear_plan *plan, arena *a) {
+    const mode_plane *p = &plan->transfer_plan.plane;
+    if (plan->has_transfer)
+        return;
+    transfer_place(&ws->transfer, p, a);
+    if (plan->info.frame != SHEAR_FRAME_PIXEL)
+        target_place(&ws->target, p, true, a);
+    if (!plan->has_psf)
+        ws->power = arena_doubles(a, p->size);
+    if (!plan->has_psf && plan->n_bases == 0)
+        psf_scratch_place(&ws->psf_scratch, &plan->psf_transform, a);
 }
 
 static void place(shear_workspace *ws, const shear_plan *plan, arena *a) {
@@ -24,10 +39,7 @@ static void place(shear_workspace *ws, const shear_plan *plan, arena *a) {
     place_modes(ws, plan, a);
     if (info->filter_per_stamp)
         filter_pair_place(&ws->filter, info->geometry.nx, info->geometry.ny, info->oversample, a);
-    if (!plan->has_psf) {
-        transfer_scratch_place(&ws->psf_scratch, &plan->transfer_plan, a);
-        transfer_place(&ws->transfer, &plan->transfer_plan, a);
-    }
+    place_transfer(ws, plan, a);
 }
 
 int shear_workspace_new(shear_workspace **out, const shear_plan *plan, shear_error *err) {

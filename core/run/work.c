@@ -176,7 +176,7 @@ static int write_rows(shear_work *work, const shear_worker *worker, const shear_
 
 static int sum_rows(shear_worker *worker, const work_unit *u, const shear_plan *plan, int64_t first,
                     int count, shear_error *err) {
-    const double beta = shear_plan_get_info(plan)->beta_px;
+    const double beta = shear_plan_get_info(plan)->beta;
     for (int i = 0; i < count; i++) {
         shear_block_sums *b = &worker->sums[(first + i - u->first) / SHEAR_BLOCK];
         if ((first + i) % SHEAR_BLOCK == 0)

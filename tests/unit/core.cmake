@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The fixtures of core's tests. Tests see core's inner headers too (measure/axis.h and so on).
-add_library(core_fixtures STATIC batch.c gaussian.c oracle.c pair.c)
+add_library(core_fixtures STATIC batch.c gaussian.c oracle.c pair.c sky_scene.c)
 target_link_libraries(core_fixtures PUBLIC shear_flags shear_static PkgConfig::CMOCKA m)
 target_include_directories(core_fixtures PUBLIC ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/core)
 
@@ -28,6 +28,7 @@ core_test(psf_quality)
 core_test(filter)
 core_test(reach)
 core_test(transfer PkgConfig::GSL)
+core_test(sky_frame)
 core_test(flags)
 core_test(artefact)
 core_test(saturation)

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Compute |W(k)|^2 on the modes of a stamp from a PSF image: interpolate it, alias it onto the
- * stamp's period, and transform it, two strips of columns at a time. */
-#include "measure/transfer.h"
+/* The image is interpolated, aliased onto the stamp's period, and transformed, two strips of
+ * columns at a time. */
+#include "measure/psf_transform.h"
 
+#include "base/cleanup.h"
 #include "base/simd.h"
+#include "shear/psf.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,21 +14,36 @@
  * part. */
 enum { PAIR = 2 * FFT_LANES };
 
-void transfer_scratch_place(transfer_scratch *t, const transfer_plan *p, arena *a) {
+/* Return the fine points of the PSF along an axis, without the closing cells of its interpolation:
+ * its image is not periodic, and what lies beyond its last sample, on one side only, would shift
+ * and shear it. */
+static int psf_fine(const axis *ax) {
+    return ax->n * ax->s - (ax->s - 1);
+}
+
+void psf_transform_set_sizes(psf_transform *p) {
+    p->period_nx = p->plane.nx * p->q;
+    p->period_ny = p->plane.ny * p->q;
+    p->psf_fine_nx = psf_fine(&p->grid.x);
+    p->psf_fine_ny = psf_fine(&p->grid.y);
+    p->used_nx = p->psf_fine_nx < p->period_nx ? p->psf_fine_nx : p->period_nx;
+    p->used_ny = p->psf_fine_ny < p->period_ny ? p->psf_fine_ny : p->period_ny;
+}
+
+void psf_scratch_place(psf_scratch *t, const psf_transform *p, arena *a) {
     const int longest = p->period_nx > p->period_ny ? p->period_nx : p->period_ny;
-    *t = (transfer_scratch){.aliased_stride = ((size_t)p->period_nx + PAIR - 1) / PAIR * PAIR};
+    *t = (psf_scratch){.aliased_stride = ((size_t)p->period_nx + PAIR - 1) / PAIR * PAIR};
     surface_place(&t->image, &p->grid, a);
     t->strip = arena_doubles(a, (size_t)p->grid.fine_ny * FFT_LANES);
     t->aliased = arena_doubles(a, (size_t)p->period_ny * t->aliased_stride);
     for (int i = 0; i < 2; i++)
         t->lanes[i] = fft_lanes_take(a, longest + 1);
-    t->modes = arena_doubles(a, 2 * p->stride * t->aliased_stride);
-    t->power = arena_doubles(a, p->table_size);
+    t->modes = arena_doubles(a, 2 * p->plane.stride * t->aliased_stride);
 }
 
 /* Alias the PSF onto the stamp's period. This is exact: at the stamp's modes exp(-ikx) has that
  * period. */
-static void alias_psf(const transfer_plan *p, transfer_scratch *t) {
+static void alias_psf(const psf_transform *p, psf_scratch *t) {
     if (p->grid.x.kind == AXIS_NONE && p->psf_nx <= p->period_nx && p->psf_ny <= p->period_ny) {
         const size_t nx = (size_t)p->psf_nx;
         for (size_t y = 0; y < (size_t)p->psf_ny; y++) {
@@ -72,18 +89,18 @@ SHEAR_SIMD static void part_strips(const double *zr, const double *zi, const dou
     }
 }
 
-static double *group_modes(const transfer_scratch *t, size_t group, size_t part) {
+static double *group_modes(const psf_scratch *t, size_t group, size_t part) {
     return t->modes + (2 * group + part) * t->aliased_stride * FFT_LANES;
 }
 
 /* Transform two strips of the aliased PSF along y, from column x0 on. */
-static void transform_pair(const transfer_plan *p, const transfer_scratch *t, size_t x0) {
+static void transform_pair(const psf_transform *p, const psf_scratch *t, size_t x0) {
     const double *from = t->aliased + x0;
     double parts[4][FFT_LANES * FFT_LANES];
     const fft_lanes z =
         fft_run(p->along_y, from, from + FFT_LANES, t->aliased_stride, t->lanes[0], t->lanes[1]);
     fft_lanes_close(z, p->period_ny);
-    for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
+    for (size_t group = 0; group < p->plane.stride / FFT_LANES; group++) {
         const size_t up = group * FFT_LANES * FFT_LANES;
         const size_t down = (size_t)p->period_ny * FFT_LANES - up;
         part_strips(z.re + up, z.im + up, z.re + down, z.im + down, parts);
@@ -110,15 +127,33 @@ SHEAR_SIMD static void square_rows(fft_lanes modes, int nx, int max_jx, size_t s
     }
 }
 
-void transfer_find_power(const transfer_plan *p, transfer_scratch *t) {
+static void find_power(const psf_transform *p, psf_scratch *t, double *power) {
+    const mode_plane *m = &p->plane;
     double scale = 0.0;
     alias_psf(p, t);
     for (size_t x0 = 0; x0 < (size_t)p->used_nx; x0 += PAIR)
         transform_pair(p, t, x0);
-    for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
+    for (size_t group = 0; group < m->stride / FFT_LANES; group++) {
         const fft_lanes w = fft_run(p->along_x, group_modes(t, group, 0), group_modes(t, group, 1),
                                     FFT_LANES, t->lanes[0], t->lanes[1]);
         scale = group == 0 ? 1.0 / hypot(w.re[0], w.im[0]) : scale;
-        square_rows(w, p->period_nx, p->max_jx, p->stride, scale, t->power + group * FFT_LANES);
+        square_rows(w, p->period_nx, m->max_jx, m->stride, scale, power + group * FFT_LANES);
     }
+}
+
+int psf_transform_power(const psf_transform *p, psf_scratch *scratch, const double *psf,
+                        double *power, shear_error *err) {
+    int bad_x;
+    int bad_y;
+    TRY(shear_psf_usable(psf, p->psf_nx, p->psf_ny, err));
+    if (!surface_load(&scratch->image, &p->grid, psf, &bad_x, &bad_y)) {
+        return shear_fail(
+            err, SHEAR_E_NEGATIVE,
+            "give a PSF without negative samples, or sampled finer (OVERSAMP), or an interpolation "
+            "that is not logarithmic",
+            "the PSF is negative at sample (%d, %d), and a log method interpolates it", bad_x + 1,
+            bad_y + 1);
+    }
+    find_power(p, scratch, power);
+    return SHEAR_OK;
 }

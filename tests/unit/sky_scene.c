@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sky_scene.h"
+
+#include "test.h"
+
+#include <math.h>
+
+void sky_scene_init(sky_scene *s, double scale, double angle, bool mirrored, double g1, double g2) {
+    const double c = scale * cos(angle);
+    const double n = scale * sin(angle);
+    const double u = mirrored ? -1.0 : 1.0;
+    *s = (sky_scene){.galaxy = {.amplitude = 7.0, .xx = 0.44, .yy = 0.32, .xy = -0.06},
+                     .psf = {.amplitude = 1.0, .xx = 0.096, .yy = 0.08, .xy = 0.012},
+                     .jacobian = {u * (c * (1.0 + g1) - n * g2), u * (c * g2 - n * (1.0 - g1)),
+                                  n * (1.0 + g1) + c * g2, n * g2 + c * (1.0 - g1)},
+                     .shift_x = 0.3,
+                     .shift_y = -0.2,
+                     .step = 0.5};
+    sky_scene_draw(s);
+}
+
+/* Return the Gaussian on pixels: J^-1 C J^-T, with the flux kept. */
+static gaussian on_pixels(const sky_scene *s, const gaussian *g) {
+    const double *j = s->jacobian;
+    const double det = j[0] * j[3] - j[1] * j[2];
+    const double a = j[3] / det;
+    const double b = -j[1] / det;
+    const double c = -j[2] / det;
+    const double d = j[0] / det;
+    gaussian out = {.amplitude = g->amplitude * fabs(det)};
+    out.xx = a * a * g->xx + 2.0 * a * b * g->xy + b * b * g->yy;
+    out.xy = a * c * g->xx + (a * d + b * c) * g->xy + b * d * g->yy;
+    out.yy = c * c * g->xx + 2.0 * c * d * g->xy + d * d * g->yy;
+    return out;
+}
+
+void sky_scene_draw(sky_scene *s) {
+    gaussian g = on_pixels(s, &s->galaxy);
+    g.x0 = SCENE_SIDE / 2 + s->shift_x;
+    g.y0 = SCENE_SIDE / 2 + s->shift_y;
+    gaussian_draw(&g, SCENE_SIDE, SCENE_SIDE, 1, s->pixels);
+    gaussian p = on_pixels(s, &s->psf);
+    p.xx /= s->step * s->step; /* in samples */
+    p.xy /= s->step * s->step;
+    p.yy /= s->step * s->step;
+    p.x0 = p.y0 = 0.5 * (SCENE_PSF_SIDE - 1) + 0.17;
+    gaussian_draw(&p, SCENE_PSF_SIDE, SCENE_PSF_SIDE, 1, s->samples);
+}
+
+shear_row sky_scene_measure(const sky_scene *s, const sky_way *way, shear_plan_info *info) {
+    const double *j = s->jacobian;
+    const shear_psf_model model = {.nx = SCENE_PSF_SIDE,
+                                   .ny = SCENE_PSF_SIDE,
+                                   .terms = 1,
+                                   .step = s->step,
+                                   .samples = s->samples};
+    const double one = 0.37;
+    shear_settings settings;
+    shear_settings_init(&settings);
+    settings.beta_px = way->beta_px;
+    settings.filter = SHEAR_FILTER_NONE;
+    if (way->estimator != NULL)
+        assert_int_equal(shear_settings_set(&settings, "estimator", way->estimator, NULL),
+                         SHEAR_OK);
+    shear_plan_request request = {.settings = &settings,
+                                  .geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
+                                  .frame = way->frame,
+                                  .pixel_scale = sqrt(fabs(j[0] * j[3] - j[1] * j[2]))};
+    if (way->model) {
+        request.models = &model;
+        request.n_models = 1;
+        request.r_psf_px = 1.5;
+    } else {
+        request.geometry.psf_nx = request.geometry.psf_ny = SCENE_PSF_SIDE;
+        request.geometry.psf_oversample = (int)lround(1.0 / s->step);
+        request.psf = s->samples;
+    }
+    const shear_stamps stamps = {.count = 1,
+                                 .nx = SCENE_SIDE,
+                                 .ny = SCENE_SIDE,
+                                 .galaxy = s->pixels,
+                                 .noise = s->noise,
+                                 .jacobian = j,
+                                 .psf_terms = &one};
+    shear_error err = {0};
+    shear_plan *plan;
+    shear_workspace *ws;
+    shear_row row;
+    const int code = shear_plan_new(&plan, &request, &err);
+    if (code != SHEAR_OK)
+        print_error("%s\n", err.message);
+    assert_int_equal(code, SHEAR_OK);
+    assert_int_equal(shear_workspace_new(&ws, plan, &err), SHEAR_OK);
+    assert_int_equal(shear_measure(plan, ws, &stamps, 0, &row, &err), SHEAR_OK);
+    if (info != NULL)
+        *info = *shear_plan_get_info(plan);
+    shear_workspace_free(ws);
+    shear_plan_free(plan);
+    return row;
+}
