@@ -216,11 +216,6 @@ void shear_plan_free(shear_plan *plan) {
     free(plan);
 }
 
-const char *shear_frame_name(enum shear_frame frame) {
-    static const char *const names[] = {"pixel", "sky", "sky-east"};
-    return frame <= SHEAR_FRAME_SKY_EAST ? names[frame] : "unknown";
-}
-
 const char *shear_noise_band_name(enum shear_noise_band band) {
     static const char *const names[] = {"none", "high", "corners"};
     return band <= SHEAR_NOISE_BAND_CORNERS ? names[band] : "unknown";
