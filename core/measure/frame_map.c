@@ -3,11 +3,6 @@
 
 #include <math.h>
 
-const char *shear_frame_name(enum shear_frame frame) {
-    static const char *const names[] = {"pixel", "sky", "sky-east"};
-    return frame <= SHEAR_FRAME_SKY_EAST ? names[frame] : "unknown";
-}
-
 const frame_map frame_map_pixel = {
     .a = {1.0, 0.0, 0.0, 1.0}, .area = 1.0, .stretch = 1.0, .xx = 1.0, .xy = 0.0, .yy = 1.0};
 

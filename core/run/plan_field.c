@@ -59,6 +59,14 @@ int shear_plan_request_read(shear_plan_request *request, const shear_settings *s
     const shear_geometry *g = &info->geometry;
     *request = (shear_plan_request){
         .settings = settings, .geometry = *g, .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0};
+    if (info->n_models > 0) { /* HACK */
+        const shear_psf_model *m = NULL;
+        shear_field_get_models(psfs.self, &m);
+        request->models = m; request->n_models = info->n_models; request->frame = info->frame; request->pixel_scale = info->pixscale;
+        TRY(shear_psf_radius(m->samples, m->nx, m->ny, 1, &request->r_psf_px, err));
+        request->r_psf_px *= m->step;
+        return SHEAR_OK;
+    }
     CLEANUP(release_free)
     double *psf = malloc((size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *psf);
     if (psf == NULL) {

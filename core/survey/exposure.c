@@ -167,8 +167,12 @@ static int open_chip(opening *o, int chip, shear_error *err) {
     TRY(check_positions(o, &sources, map, shared, err));
     if (shared)
         forget_pixels(&sources);
-    chip_inputs in = {
-        .sources = &sources, .map = map, .psf = e->psf, .model = c->model, .only_inside = shared};
+    chip_inputs in = {.sources = &sources,
+                      .map = map,
+                      .psf = e->psf,
+                      .contexts = &wanted,
+                      .model = c->model,
+                      .only_inside = shared};
     exposure_images_size(e->images, chip, &in.nx, &in.ny);
     TRY(chip_stamps_init(&c->stamps, &in, err));
     c->first = e->base.info.n_stamps;

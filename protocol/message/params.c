@@ -3,6 +3,7 @@
 #include "message/table.h"
 
 #include "base/cleanup.h"
+#include "shear/stamp.h"
 
 #include <stddef.h>
 #include <stdio.h>

@@ -100,8 +100,15 @@ static void write_rows(shear_field_writer *w, const shear_field_spec *s, int64_t
         psf_id[i] = fixture_psf_id(first + i, s->n_psf);
         flags[i] = (int32_t)(first + i) % 3;
     }
-    const shear_catalog_columns columns = {id,        values[0], values[1], values[2], values[3],
-                                           values[4], values[5], psf_id,    flags};
+    const shear_catalog_columns columns = {.id = id,
+                                           .x = values[0],
+                                           .y = values[1],
+                                           .ra = values[2],
+                                           .dec = values[3],
+                                           .weight = values[4],
+                                           .r_gal = values[5],
+                                           .psf_id = psf_id,
+                                           .flags = flags};
     shear_error err = {0};
     assert_int_equal(shear_field_write(w, first, count, galaxy, noise, &columns, &err), SHEAR_OK);
     free(galaxy);

@@ -155,7 +155,7 @@ static bool is_angle(double ra, double dec) {
 /* Convert up to BLOCK pixels. */
 static void block_to_sky(sky_map *map, int n, const double *x, const double *y, double *ra,
                          double *dec) {
-    block b;
+    block b = {0};
     for (int i = 0; i < n; i++) {
         const bool good = is_pixel(x[i], y[i]);
         b.in[i][0] = good ? x[i] : map->wcs.crpix[0];
@@ -172,7 +172,7 @@ static void block_to_sky(sky_map *map, int n, const double *x, const double *y, 
 
 static void block_to_pixel(sky_map *map, int n, const double *ra, const double *dec, double *x,
                            double *y) {
-    block b;
+    block b = {0};
     for (int i = 0; i < n; i++) {
         const bool good = is_angle(ra[i], dec[i]);
         b.in[i][map->lng] = good ? ra[i] : 0.0;
