@@ -95,7 +95,7 @@ static void axes_may_be_exchanged(void **state) {
 static void no_place_is_special(void **state) {
     (void)state;
     const double places[][2] = {{0.01, 10.0},    {359.99, -10.0}, {33.0, 89.99},
-                                {250.0, -89.99}, {-10.0, 45.0},   {370.0, 45.0}};
+                                {250.0, -89.99}, {-10.0, 45.0},   {360.0, 45.0}};
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
         for (int distorted = 0; distorted < 2; distorted++) {
             sky_header h = sky_header_make("TPV");

@@ -2,10 +2,12 @@
 /* Positions and Jacobians of real headers, as another program computed them. */
 #include "fits/header/cards.h"
 #include "sky_fixture.h"
+#include "survey/wcs/head_file.h"
 
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 static const struct {
@@ -81,7 +83,36 @@ static void real_headers(void **state) {
     json_decref(truth);
 }
 
+/* A file of SCAMP's, whose polynomial is not small: its chip is a map, there and back. */
+static void real_head_file(void **state) {
+    (void)state;
+    const char *const path = SHEAR_SHARED "/survey/wcs/scamp.head";
+    if (access(path, R_OK) != 0)
+        skip();
+    head_file h;
+    shear_error err = {0};
+    assert_int_equal(head_file_init(&h, path, -1, &err), SHEAR_OK);
+    assert_int_equal(h.n, 1);
+    int64_t count = 0;
+    char *const cards = head_file_merge(&h, 0, NULL, &count);
+    sky_map *map = NULL;
+    assert_int_equal(sky_map_new(&map, cards, count, path, &err), SHEAR_OK);
+    assert_non_null(map);
+    for (int i = 0; i < 100; i++) {
+        const double x = 200.0 * (i % 10), y = 200.0 * (double)(i / 10);
+        double ra, dec, xx, yy;
+        sky_map_to_sky(map, 1, &x, &y, &ra, &dec);
+        sky_map_to_pixel(map, 1, &ra, &dec, &xx, &yy);
+        assert_close(xx, x, 1e-5);
+        assert_close(yy, y, 1e-5);
+    }
+    sky_map_free(map);
+    free(cards);
+    head_file_deinit(&h);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(real_headers)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(real_headers),
+                                       cmocka_unit_test(real_head_file)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

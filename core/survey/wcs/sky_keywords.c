@@ -178,11 +178,9 @@ static int refuse_tables(const char *card, const char *where, shear_error *err) 
     int i = 0, m = 0;
     if (sf_card_index(key, "CPDIS") > 0 || sf_card_index(key, "CQDIS") > 0 ||
         sf_card_index(key, "D2IMDIS") > 0) {
-        return shear_fail(err, SHEAR_E_FORMAT,
-                          "fit TPV or SIP coefficients to it, or leave these keywords out",
-                          "%s: keyword %s: distortions other than SIP, TPV, TNX and ZPX are not "
-                          "read",
-                          where, key);
+        return shear_fail(
+            err, SHEAR_E_FORMAT, "fit TPV or SIP coefficients to it, or leave such keywords out",
+            "%s: keyword %s: distortions other than SIP and TPV are not read", where, key);
     }
     if (is_pair(key, "PV", &i, &m) && (i == 1 || i == 2) && m >= SKY_PV) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
@@ -204,6 +202,20 @@ static bool is_angle(const char *ctype) {
            (strncmp(ctype + 2, "LN", 2) == 0 || strncmp(ctype + 2, "LT", 2) == 0);
 }
 
+/* Return whether wcslib has the projection, without tables and with no more polynomials than are
+ * read here. (It takes the name TNX without its polynomial, too, and says nothing.) */
+static bool is_projection(const char *code) {
+    static const char *const codes[] = {"TAN", "TPV", "AZP", "SZP", "STG", "SIN", "ARC", "ZPN",
+                                        "ZEA", "AIR", "CYP", "CEA", "CAR", "MER", "COP", "COE",
+                                        "COD", "COO", "SFL", "PAR", "MOL", "AIT", "BON", "PCO",
+                                        "TSC", "CSC", "QSC", "HPX", "XPH"};
+    for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
+        if (strcmp(codes[i], code) == 0)
+            return true;
+    }
+    return false;
+}
+
 /* Split CTYPEi into name, projection and "-SIP". */
 static int parse_types(sky_keywords *k, const char *where, shear_error *err) {
     k->lng = strncmp(k->ctype[0], "DEC-", 4) == 0 ? 1 : 0;
@@ -218,13 +230,10 @@ static int parse_types(sky_keywords *k, const char *where, shear_error *err) {
     }
     memcpy(k->projection, ra + 5, 3);
     k->has_sip = strcmp(ra + 8, "-SIP") == 0;
-    if (ra[8] != '\0' && !k->has_sip) {
-        return shear_fail(err, SHEAR_E_FORMAT, "a projection may end in -SIP",
-                          "%s: CTYPE '%.24s' has a distortion that is not read", where, ra);
-    }
-    if (strcmp(k->projection, "TAB") == 0) {
-        return shear_fail(err, SHEAR_E_FORMAT, "fit TPV or SIP coefficients to it",
-                          "%s: coordinates that are looked up in tables (TAB) are not read", where);
+    if (!is_projection(k->projection) || (ra[8] != '\0' && !k->has_sip)) {
+        return shear_fail(err, SHEAR_E_FORMAT,
+                          "fit TPV or SIP coefficients to it (SCAMP does), or use --frame pixel",
+                          "%s: the projection of CTYPE '%.24s' is not read", where, ra);
     }
     return SHEAR_OK;
 }
@@ -245,6 +254,26 @@ static int need(const double values[2], const char *root, const char *where, she
         if (isnan(values[i])) {
             return shear_fail(err, SHEAR_E_FORMAT, NULL, "%s: keyword %s%d is missing", where, root,
                               i + 1);
+        }
+    }
+    return SHEAR_OK;
+}
+
+/* Positions are differences of angles: 1e9 degrees have no digits left for them. */
+static int check_reference(const sky_keywords *k, const char *where, shear_error *err) {
+    TRY(need(k->crval, "CRVAL", where, err));
+    TRY(need(k->crpix, "CRPIX", where, err));
+    for (int i = 0; i < 2; i++) {
+        const double limit = i == k->lng ? 360.0 : 90.0;
+        if (fabs(k->crval[i]) > limit) {
+            return shear_fail(err, SHEAR_E_FORMAT, "correct the keyword",
+                              "%s: keyword CRVAL%d is %g, but must be from %g to %g degrees", where,
+                              i + 1, k->crval[i], -limit, limit);
+        }
+        if (fabs(k->crpix[i]) > 1e8) {
+            return shear_fail(err, SHEAR_E_FORMAT, "correct the keyword",
+                              "%s: keyword CRPIX%d is %g: no image is as large as that", where,
+                              i + 1, k->crpix[i]);
         }
     }
     return SHEAR_OK;
@@ -336,8 +365,7 @@ int sky_keywords_read(sky_keywords *k, const char *cards, int64_t count, const c
         TRY(refuse_tables(card, where, err));
         TRY(read_number(k, card, where, err));
     }
-    TRY(need(k->crval, "CRVAL", where, err));
-    TRY(need(k->crpix, "CRPIX", where, err));
+    TRY(check_reference(k, where, err));
     TRY(check_matrix(k, where, err));
     return choose_distortion(k, where, err);
 }

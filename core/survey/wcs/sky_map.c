@@ -84,6 +84,13 @@ static void set_celestial(struct wcsprm *w, const sky_keywords *k) {
     }
 }
 
+/* Return whether the linear part, as wcsset left it, takes a square to a line. */
+static bool is_singular(const struct wcsprm *w) {
+    const double a = w->pc[0] * w->cdelt[0], b = w->pc[1] * w->cdelt[0];
+    const double c = w->pc[2] * w->cdelt[1], d = w->pc[3] * w->cdelt[1];
+    return !(fabs(a * d - b * c) > 1e-12 * (a * a + b * b + c * c + d * d));
+}
+
 static int set_up(sky_map *map, const sky_keywords *k, const char *where, shear_error *err) {
     struct wcsprm *w = &map->wcs;
     w->flag = -1;
@@ -93,7 +100,9 @@ static int set_up(sky_map *map, const sky_keywords *k, const char *where, shear_
     set_celestial(w, k);
     if (!sky_polynomial_attach(&w->lin, k))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    const int status = wcsset(w);
+    int status = wcsset(w);
+    if (status == 0 && is_singular(w))
+        status = WCSERR_SINGULAR_MTX;
     if (status == WCSERR_MEMORY)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     if (status != 0) {
@@ -165,8 +174,23 @@ static void block_to_sky(sky_map *map, int n, const double *x, const double *y, 
     for (int i = 0; i < n; i++) {
         const double lng = b.out[i][map->lng], lat = b.out[i][map->lat];
         const bool good = is_pixel(x[i], y[i]) && b.status[i] == 0 && is_angle(lng, lat);
-        ra[i] = good ? (lng < 0.0 ? lng + 360.0 : lng) : NAN;
+        ra[i] = good ? lng - 360.0 * floor(lng / 360.0) : NAN;
         dec[i] = good ? lat : NAN;
+    }
+}
+
+/* wcslib's inversion of a polynomial may end elsewhere and not say so: a pixel counts if it leads
+ * back to its place within 1e-8 degrees. */
+static void check_pixels(sky_map *map, int n, const double *ra, const double *dec, double *x,
+                         double *y) {
+    double back_ra[BLOCK], back_dec[BLOCK];
+    block_to_sky(map, n, x, y, back_ra, back_dec);
+    for (int i = 0; i < n; i++) {
+        double u = NAN, v = NAN;
+        if (!sky_map_tangent(back_ra[i], back_dec[i], ra[i], dec[i], &u, &v) ||
+            !(hypot(u, v) < 3600.0 * 1e-8)) {
+            x[i] = y[i] = NAN;
+        }
     }
 }
 
@@ -175,16 +199,16 @@ static void block_to_pixel(sky_map *map, int n, const double *ra, const double *
     block b = {0};
     for (int i = 0; i < n; i++) {
         const bool good = is_angle(ra[i], dec[i]);
-        b.in[i][map->lng] = good ? ra[i] : 0.0;
-        b.in[i][map->lat] = good ? dec[i] : 0.0;
+        b.in[i][map->lng] = good ? ra[i] : map->wcs.crval[map->lng];
+        b.in[i][map->lat] = good ? dec[i] : map->wcs.crval[map->lat];
     }
     to_pixel(map, n, &b);
     for (int i = 0; i < n; i++) {
-        const bool good =
-            is_angle(ra[i], dec[i]) && b.status[i] == 0 && is_pixel(b.out[i][0], b.out[i][1]);
+        const bool good = is_angle(ra[i], dec[i]) && b.status[i] == 0;
         x[i] = good ? b.out[i][0] : NAN;
         y[i] = good ? b.out[i][1] : NAN;
     }
+    check_pixels(map, n, ra, dec, x, y);
 }
 
 typedef void convert_block(sky_map *map, int n, const double *a, const double *b, double *c,
