@@ -74,7 +74,7 @@ sky_header sky_header_make(const char *type) {
 }
 
 void sky_header_add_tpv(sky_header *h) {
-    char key[16];
+    char key[32];
     const double scale = 0.15; /* degrees to the corners */
     sky_header_number(h, "PV1_0", 1e-3);
     sky_header_number(h, "PV2_0", -2e-3);
@@ -97,7 +97,7 @@ void sky_header_add_tpv(sky_header *h) {
 }
 
 void sky_header_add_sip(sky_header *h) {
-    char key[16];
+    char key[32];
     for (int i = 0; i < 2; i++) {
         snprintf(key, sizeof key, "%c_ORDER", "AB"[i]);
         sky_header_number(h, key, 4);
@@ -146,7 +146,7 @@ static double number(const sky_header *h, const char *key, double absent) {
 
 /* The number of a keyword such as CD1_2. */
 static double indexed(const sky_header *h, const char *root, int i, int j, double absent) {
-    char key[16];
+    char key[32];
     snprintf(key, sizeof key, "%s%d_%d", root, i, j);
     return number(h, key, absent);
 }

@@ -118,7 +118,7 @@ static void forms_of_the_matrix_agree(void **state) {
     const double turn[2] = {cos(angle * acos(-1.0) / 180.0), sin(angle * acos(-1.0) / 180.0)};
     const double matrix[] = {turn[0], turn[1], -turn[1], turn[0]};
     for (int i = 0; i < 4; i++) {
-        char key[16];
+        char key[32];
         sky_header_number(&cd, keys[i], matrix[i] * (i < 2 ? -s : s));
         sky_header_remove(&pc, keys[i]);
         sky_header_remove(&crota, keys[i]);
@@ -220,10 +220,11 @@ static void *make_and_use(void *argument) {
     bool *const same = argument;
     for (int round = 0; round < 60; round++) {
         sky_header h = sky_header_make(round % 2 == 0 ? "TPV" : "TAN-SIP");
-        if (round % 2 == 0)
+        if (round % 2 == 0) {
             sky_header_add_tpv(&h);
-        else
+        } else {
             sky_header_add_sip(&h);
+        }
         shear_error err;
         sky_map *map = NULL;
         *same = *same && sky_map_new(&map, h.cards[0], h.n, "f", &err) == SHEAR_OK;

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <wcslib/wcs.h>
 
-enum { BLOCK = 128 }; /* positions that are converted at once */
+enum { BLOCK = 32 }; /* positions that are converted at once */
 
 static const double radian = 0.017453292519943295769;
 static const double arcsec = 3600.0 / radian; /* per radian */
@@ -164,7 +164,7 @@ static bool is_angle(double ra, double dec) {
 /* Convert up to BLOCK pixels. */
 static void block_to_sky(sky_map *map, int n, const double *x, const double *y, double *ra,
                          double *dec) {
-    block b = {0};
+    block b = {.status = {0}};
     for (int i = 0; i < n; i++) {
         const bool good = is_pixel(x[i], y[i]);
         b.in[i][0] = good ? x[i] : map->wcs.crpix[0];
@@ -196,7 +196,7 @@ static void check_pixels(sky_map *map, int n, const double *ra, const double *de
 
 static void block_to_pixel(sky_map *map, int n, const double *ra, const double *dec, double *x,
                            double *y) {
-    block b = {0};
+    block b = {.status = {0}};
     for (int i = 0; i < n; i++) {
         const bool good = is_angle(ra[i], dec[i]);
         b.in[i][map->lng] = good ? ra[i] : map->wcs.crval[map->lng];

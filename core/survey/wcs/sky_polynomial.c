@@ -68,10 +68,11 @@ bool sky_polynomial_attach(struct linprm *lin, const sky_keywords *k) {
     if (d == NULL)
         return false;
     for (int i = 0; i < 2; i++) {
-        if (k->has_sip)
+        if (k->has_sip) {
             add_sip(d, k, i);
-        else
+        } else {
             add_tpv(d, k, i);
+        }
     }
     return true;
 }
