@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The pixels of a chip: values, standard deviations, defects and owners, against plain formulas. */
 #include "exposure_fixture.h"
+#include "scarce.h"
 
 #include <float.h>
 #include <math.h>
@@ -476,6 +477,79 @@ static void cache_smaller_than_chip(void **state) {
     exposure_images_close(e);
 }
 
+/* ---- failures ---- */
+
+/* Open an exposure and its chip, and read a pixel. */
+static int open_and_read(const shear_input *input, shear_error *err) {
+    const object_shape shape = {5.0, 5.0, 3.0, 2.0, 0.0, 1};
+    double value = NAN;
+    const pixel_box box = {3, 4, 1, 1, &value, NULL, NULL, NULL};
+    exposure_images *e = NULL;
+    chip_pixels *c = NULL;
+    int code = exposure_images_open(&e, input, NULL, err);
+    if (code == SHEAR_OK)
+        code = chip_pixels_open(&c, e, 0, &shape, 1, err);
+    if (code == SHEAR_OK)
+        code = chip_pixels_read(c, &box, err);
+    assert_true(code != SHEAR_OK || value == 4 * NX + 3 + 1.0);
+    chip_pixels_close(c);
+    exposure_images_close(e);
+    return code;
+}
+
+static void memory_runs_out(void **state) {
+    (void)state;
+    const double pixels[N] = {0.0};
+    write_ramp();
+    write_mask(16, 0.0, RICE_1, pixels);
+    shear_input input = exposure_input(image(), NULL, other(), NULL);
+    input.exposure.mask_bad = "bits=1";
+    bool refused = true;
+    for (long n = 1; refused; n++) {
+        shear_error err = {0};
+        scarce_after(n, false);
+        const int code = open_and_read(&input, &err);
+        refused = scarce_end();
+        assert_int_equal(code, refused ? SHEAR_E_NOMEM : SHEAR_OK);
+        assert_true(n < 1000);
+    }
+}
+
+/* Nothing of a damaged tile is taken for pixels; what could be read before can be read still. */
+static void damaged_band(void **state) {
+    (void)state;
+    enum { SIDE = 700 };
+    double *pixels = malloc(sizeof *pixels * SIDE * SIDE);
+    for (int i = 0; i < SIDE * SIDE; i++)
+        pixels[i] = (i * 7919) % 10007;
+    const fixture_image one = {
+        .name = "A", .bitpix = 16, .naxis = 2, .axes = {SIDE, SIDE, 1}, .compression = GZIP_1};
+    fitsfile *f = fixture_create(image());
+    fixture_append(f, &one, pixels);
+    fixture_close(f);
+    free(pixels);
+    size_t size = 0;
+    unsigned char *bytes = fixture_load(image(), &size);
+    for (size_t i = size - 40000; i < size - 3000; i++)
+        bytes[i] = 0xff;
+    fixture_save(image(), bytes, size);
+    free(bytes);
+    const shear_input input = exposure_input(image(), NULL, NULL, NULL);
+    exposure_images *e = exposure_open(&input);
+    chip_pixels *c = NULL;
+    shear_error err = {0};
+    assert_int_equal(chip_pixels_open(&c, e, 0, NULL, 0, &err), SHEAR_OK);
+    for (int i = 0; i < 6; i++) {
+        double value = NAN;
+        const pixel_box box = {1, i % 2 == 0 ? 0 : SIDE - 1, 1, 1, &value, NULL, NULL, NULL};
+        assert_int_equal(chip_pixels_read(c, &box, &err), i % 2 == 0 ? SHEAR_OK : SHEAR_E_FORMAT);
+        assert_true(i % 2 == 0 ? value == 7919.0 : isnan(value));
+        assert_true(i % 2 == 0 || strstr(err.message, "compressed tile") != NULL);
+    }
+    chip_pixels_close(c);
+    exposure_images_close(e);
+}
+
 /* ---- real files ---- */
 
 static void shared_hsc(void **state) {
@@ -512,6 +586,8 @@ int main(void) {
         cmocka_unit_test(strange_ellipses),
         cmocka_unit_test(random_boxes),
         cmocka_unit_test(cache_smaller_than_chip),
+        cmocka_unit_test(memory_runs_out),
+        cmocka_unit_test(damaged_band),
         cmocka_unit_test(shared_hsc),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);

@@ -107,6 +107,30 @@ static void chips_by_order(void **state) {
     }
 }
 
+/* fpack's own EXTNAME is none, and may be followed by the image's. */
+static void packers_name(void **state) {
+    (void)state;
+    static const char *const names[] = {"COMPRESSED_IMAGE", NULL};
+    write_images(image(), names, 5.0, RICE_1);
+    const shear_input input = exposure_input(image(), NULL, NULL, NULL);
+    exposure_images *e = exposure_open(&input);
+    assert_string_equal(exposure_images_name(e, 0), "");
+    exposure_images_close(e);
+    fixture_patch(image(), "COMPRESSED_IMAGE", "OTHER", "'N15'");
+    size_t size = 0;
+    unsigned char *bytes = fixture_load(image(), &size);
+    unsigned char *card = memmem(bytes, size, "OTHER   = 'N15'", 15);
+    assert_non_null(card);
+    memcpy(card, "EXTNAME ", 8);
+    fixture_save(image(), bytes, size);
+    free(bytes);
+    e = exposure_open(&input);
+    assert_string_equal(exposure_images_name(e, 0), "N15");
+    exposure_images_close(e);
+    fixture_patch(image(), "COMPRESSED_IMAGE", "EXTNAME", "'CHIP'");
+    exposure_expect(&input, SHEAR_E_FORMAT, "EXTNAME is given twice", END);
+}
+
 static void chosen_hdus(void **state) {
     (void)state;
     static const char *const names[] = {"SCI", "WHT", "DQ", NULL};
@@ -286,9 +310,9 @@ static void shared_exposures(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chips_by_name),    cmocka_unit_test(chips_by_order),
-        cmocka_unit_test(chosen_hdus),      cmocka_unit_test(mismatches),
-        cmocka_unit_test(lsst_layers),      cmocka_unit_test(inherited_header),
-        cmocka_unit_test(shared_exposures),
+        cmocka_unit_test(packers_name),     cmocka_unit_test(chosen_hdus),
+        cmocka_unit_test(mismatches),       cmocka_unit_test(lsst_layers),
+        cmocka_unit_test(inherited_header), cmocka_unit_test(shared_exposures),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

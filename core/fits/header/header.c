@@ -70,10 +70,15 @@ static int parse_integer(const sf_header *h, const char *card, const char *key, 
                                   : bad(h, key, "is not an integer (of up to 64 bits)", err);
 }
 
+/* Old versions of fpack write an EXTNAME of their own before that of the image. */
+static bool is_packers_name(const sf_header *h, const char *member) {
+    return member == h->hdu.name && h->hdu.zimage && strcmp(member, "COMPRESSED_IMAGE") == 0;
+}
+
 static int parse_scalar(sf_header *h, int i, const char *card, shear_error *err) {
     const char *key = scalars[i].key;
     char *member = (char *)h + scalars[i].offset;
-    if ((h->seen & 1u << i) != 0)
+    if ((h->seen & 1u << i) != 0 && !is_packers_name(h, member))
         return bad(h, key, "is given twice", err);
     h->seen |= 1u << i;
     switch (scalars[i].type) {

@@ -71,8 +71,10 @@ static int list_planes(const sf_cards *mask, char *out, size_t size, spelling *n
         text_append_item(out, size, name);
         n++;
         spelling_consider(nearest, name);
-        if (nearest->best == name)
-            nearest->best = strcpy(best, name);
+        if (nearest->best == name) { /* which the next plane overwrites */
+            text_set(best, LONGEST_PLANE, name);
+            nearest->best = best;
+        }
     }
     return n;
 }

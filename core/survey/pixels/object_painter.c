@@ -79,7 +79,7 @@ static int out_of_memory(shear_error *err) {
 
 int object_painter_init(object_painter *p, const object_shape *shapes, int64_t n, int nx, int ny,
                         int rows, shear_error *err) {
-    const size_t bands = (size_t)((ny - 1) / rows + 1);
+    const size_t bands = ((size_t)ny - 1) / (size_t)rows + 1;
     double area = 0.0;
     *p = (object_painter){.shapes = shapes, .nx = nx, .ny = ny, .rows = rows};
     p->first = calloc(bands + 1, sizeof *p->first);
