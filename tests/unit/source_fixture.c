@@ -41,6 +41,11 @@ void source_fixture_table(fitsfile *f, const char *extname, const source_fixture
     }
     fits_create_tbl(f, BINARY_TBL, 0, n_columns, names, forms, units, extname, &status);
     ok(status);
+    source_fixture_fill(f, columns, n_columns, n);
+}
+
+void source_fixture_fill(fitsfile *f, const source_fixture_column *columns, int n_columns, long n) {
+    int status = 0;
     for (int k = 0; k < n_columns; k++) {
         int type = 0;
         long repeat = 0;
@@ -48,8 +53,11 @@ void source_fixture_table(fitsfile *f, const char *extname, const source_fixture
         fits_get_coltype(f, k + 1, &type, &repeat, &width, &status);
         for (long i = 0; i < n && type != TSTRING; i++) {
             double v = columns[k].value(i);
-            for (long e = 0; e < repeat; e++)
-                fits_write_col(f, TDOUBLE, k + 1, i + 1, e + 1, 1, &v, &status);
+            char logical = v != 0.0;
+            for (long e = 0; e < repeat; e++) {
+                fits_write_col(f, type == TLOGICAL ? TLOGICAL : TDOUBLE, k + 1, i + 1, e + 1, 1,
+                               type == TLOGICAL ? (void *)&logical : (void *)&v, &status);
+            }
         }
     }
     ok(status);

@@ -17,6 +17,8 @@ typedef struct source_fixture_column {
 /* Append a table of n rows; of a vector, all elements have the row's value. */
 void source_fixture_table(fitsfile *f, const char *extname, const source_fixture_column *columns,
                           int n_columns, long n);
+/* Write n rows into the table that was appended last. */
+void source_fixture_fill(fitsfile *f, const source_fixture_column *columns, int n_columns, long n);
 /* Append LDAC_IMHEAD with these cards, an array ended by NULL. */
 void source_fixture_header(fitsfile *f, const char *extname, const char *const *cards);
 /* Write a file with one table, OBJECTS, of NUMBER, X_IMAGE, Y_IMAGE, FLAGS, MAG_AUTO. */

@@ -12,3 +12,4 @@ endfunction()
 
 survey_sources_test(sources_formats)
 survey_sources_test(sources_select)
+survey_sources_test(sources_hostile)

@@ -245,7 +245,7 @@ int sf_table_shape(const sf_table *t, const sf_column *column, int64_t axes[SF_A
 
 void sf_table_advise(const sf_table *t, const char *name, char *out, size_t size) {
     spelling s = {.given = name};
-    for (int i = 0; i < t->n; i++)
+    for (int i = 0; i < t->n && name[0] != '\0'; i++)
         spelling_consider(&s, t->columns[i].name);
     text_set(out, size, "");
     if (s.best != NULL)

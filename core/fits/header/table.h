@@ -58,7 +58,7 @@ int sf_table_find_numbers(const sf_table *t, const char *name, const sf_column *
 int sf_table_shape(const sf_table *t, const sf_column *column, int64_t axes[SF_AXES],
                    shear_error *err);
 /* Write for the user who named a column that is not there: "did you mean NAME? columns: NAME, ...",
- * cut to `size`. */
+ * cut to `size`. "" lists the columns only. */
 void sf_table_advise(const sf_table *t, const char *name, char *out, size_t size);
 
 /* Read rows [first, first + count) of a column of numbers; logicals are 0 and 1. Undefined values

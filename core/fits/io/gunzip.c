@@ -35,6 +35,7 @@ typedef struct unpacking {
     int64_t position; /* packed bytes fed to zlib so far */
     int64_t written, limit;
     unsigned char *packed, *plain; /* [CHUNK] each */
+    bool text;                     /* unpack a text, too */
     sf_place at;
 } unpacking;
 
@@ -56,9 +57,11 @@ static int refill(unpacking *u, shear_error *err) {
 
 static int flush(unpacking *u, shear_error *err) {
     const size_t count = CHUNK - u->z.avail_out;
-    if (u->written == 0 && !sf_is_fits(u->plain, (int64_t)count)) {
+    const bool text = u->text && count > 0 && u->plain[0] == '#';
+    if (u->written == 0 && !text && !sf_is_fits(u->plain, (int64_t)count)) {
         return sf_fail(err, SHEAR_E_FORMAT, u->at, NULL,
-                       "not a FITS file: the unpacked gzip data do not begin with 'SIMPLE  ='");
+                       "not a FITS file%s: the unpacked gzip data do not begin with 'SIMPLE  ='%s",
+                       u->text ? " or SExtractor's ASCII_HEAD" : "", u->text ? " or '#'" : "");
     }
     if ((int64_t)count > u->limit - u->written) {
         return sf_fail(err, SHEAR_E_FORMAT, u->at,
@@ -127,9 +130,9 @@ static void unpacking_deinit(unpacking *u) {
     release_fd(&u->out);
 }
 
-int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err) {
+int sf_gunzip(int in, sf_place at, bool text, int *out, int64_t *out_size, shear_error *err) {
     CLEANUP(unpacking_deinit)
-    unpacking u = {.in = in, .out = -1, .limit = unpack_limit(), .at = at};
+    unpacking u = {.in = in, .out = -1, .limit = unpack_limit(), .text = text, .at = at};
     u.packed = malloc(CHUNK);
     u.plain = malloc(CHUNK);
     u.z.next_out = u.plain;

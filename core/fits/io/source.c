@@ -85,7 +85,7 @@ static int look_inside(sf_source *s, shear_error *err) {
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "is empty (0 bytes)");
     if (sf_is_gzip(head, n)) {
         int unpacked = -1;
-        TRY(sf_gunzip(s->fd, at, &unpacked, &s->size, err));
+        TRY(sf_gunzip(s->fd, at, false, &unpacked, &s->size, err));
         close(s->fd);
         s->fd = unpacked;
         s->gzipped = true;

@@ -134,19 +134,25 @@ static int check_call(const sf_table *t, const char *given, const token *at, she
     return refuse(t, given, advice, "it cannot use the function", at, err);
 }
 
+static bool is_column(const token *t) {
+    return t->kind == NAME ||
+           (t->kind == WORD && !is_call(t) && !is_number(t) && !is_one_of(t, operators));
+}
+
 static int check(const sf_table *t, const char *given, const token *at, shear_error *err) {
-    if (at->kind == BROKEN)
+    if (at->kind == BROKEN) {
         return refuse(t, given, "close quotes by their like, and write #KEYWORD",
                       "it breaks off at", at, err);
-    if (at->kind == SIGN && strchr("!%&()*+,-./:<=>?^|", *at->at) == NULL)
+    }
+    if (at->kind == SIGN && strchr("!%&()*+,-./:<=>?^|", *at->at) == NULL) {
         return refuse(t, given, "use numbers, columns, operators and functions", "it cannot have",
                       at, err);
+    }
     if (at->n > LONGEST_WORD)
         return refuse(t, given, "use at most 60 characters", "a word is too long:", at, err);
     if (is_call(at))
         return check_call(t, given, at, err);
-    const bool name = at->kind == WORD && !is_number(at) && !is_one_of(at, operators);
-    return name || at->kind == NAME ? check_column(t, given, at, err) : SHEAR_OK;
+    return is_column(at) ? check_column(t, given, at, err) : SHEAR_OK;
 }
 
 /* Append a token; the left-hand side of a division becomes a double. */
@@ -158,20 +164,26 @@ static void put(char *safe, const token *at, const char *from) {
 
 int sf_expression_make(const char *given, const sf_table *t, char safe[SF_EXPRESSION_SIZE],
                        shear_error *err) {
+    bool has_column = false;
     safe[0] = '\0';
     if (strlen(given) > SF_EXPRESSION_MOST) {
         return sf_fail(err, SHEAR_E_SETTING, t->cards->at, "select before, or by a column of flags",
                        "the row expression has %zu characters, more than %d", strlen(given),
                        SF_EXPRESSION_MOST);
     }
-    for (const char *from = given;;) {
-        const token at = token_at(from);
-        if (at.kind == END)
-            return SHEAR_OK;
+    const char *from = given;
+    token at = token_at(from);
+    for (; at.kind != END; from = at.next, at = token_at(from)) {
         TRY(check(t, given, &at, err));
+        has_column = has_column || is_column(&at);
         put(safe, &at, from);
-        from = at.next;
     }
+    if (has_column)
+        return SHEAR_OK;
+    char advice[sizeof((shear_error *)0)->advice];
+    sf_table_advise(t, "", advice, sizeof advice);
+    return sf_fail(err, SHEAR_E_SETTING, t->cards->at, advice,
+                   "row expression '%.200s' names no column", given);
 }
 
 bool sf_expression_names(const char *given, const char *column) {

@@ -3,16 +3,13 @@
 
 #include "base/arena.h"
 #include "base/cleanup.h"
-#include "base/io.h"
-#include "fits/io/gunzip.h"
 #include "fits/select/expression.h"
 #include "fits/select/row_filter.h"
+#include "survey/sources/catalog_file.h"
 #include "survey/sources/isophote.h"
 #include "survey/sources/object_tables.h"
 #include "survey/sources/source_columns.h"
-#include "survey/sources/text_table.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -47,31 +44,6 @@ static int set_options(source_catalog *c, const shear_exposure *exposure, shear_
     return source_names_parse(&c->names, exposure->columns, err);
 }
 
-/* Look at the beginning of the file. */
-static int is_text(int fd, int64_t size, sf_place at, bool *yes, shear_error *err) {
-    unsigned char head[16] = {0};
-    const ssize_t n = io_read_at(fd, head, sizeof head, 0);
-    if (n < 0)
-        return sf_fail_errno(err, at, errno, "cannot be read");
-    *yes = size > 0 && !sf_is_fits(head, n) && !sf_is_gzip(head, n);
-    return SHEAR_OK;
-}
-
-static int open_file(source_catalog *c, const char *path, int fd, shear_error *err) {
-    CLEANUP(release_fd) int opened = -1;
-    CLEANUP(release_fd) int converted = -1;
-    char name[sizeof c->file.source.name];
-    const sf_place at = {name, NULL};
-    int64_t size = 0;
-    bool text = false;
-    sf_printable_name(name, sizeof name, path);
-    TRY(sf_open_regular(path, fd, at, &opened, &size, err));
-    TRY(is_text(opened, size, at, &text, err));
-    if (text)
-        TRY(text_table_convert(opened, at, OBJECT_TABLE_ROWS, &converted, err));
-    return sf_file_open(&c->file, path, text ? converted : opened, err);
-}
-
 int source_catalog_open(source_catalog **c, const shear_input_part *part, int fd,
                         const shear_exposure *exposure, shear_error *err) {
     *c = NULL;
@@ -80,7 +52,7 @@ int source_catalog_open(source_catalog **c, const shear_input_part *part, int fd
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     made->file.source.fd = -1;
     TRY(set_options(made, exposure, err));
-    TRY(open_file(made, part->path, fd, err));
+    TRY(catalog_file_open(&made->file, part->path, fd, err));
     TRY(object_tables_init(&made->objects, &made->file, part, &made->names, err));
     *c = CLEANUP_TAKE(made);
     return SHEAR_OK;
