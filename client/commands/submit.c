@@ -130,6 +130,7 @@ static enum exit_code parse(const command *self, int argc, char **argv, submit_s
                                     {.name = "key", .text = &what->key},
                                     {.name = "force", .flag = &what->force},
                                     PART_OPTIONS(&what->parts),
+                                    EXPOSURE_OPTIONS(&what->parts),
                                     {.name = "wait", .flag = &o->wait},
                                     {.name = "timeout", .seconds = &o->how.timeout_s},
                                     {.name = "quiet", .flag = &o->how.quiet},
@@ -142,7 +143,7 @@ static enum exit_code parse(const command *self, int argc, char **argv, submit_s
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     static char *no_name[] = {NULL};
-    submit_state o = {.how = {.timeout_s = NAN}};
+    submit_state o = {.what = {.parts = PART_OPTIONS_INIT}, .how = {.timeout_s = NAN}};
     TRY(parse(self, argc, argv, &o));
     const bool by_parts = part_options_any(&o.what.parts);
     const size_t n = by_parts ? 1 : (size_t)(argc - optind);

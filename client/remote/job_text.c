@@ -48,6 +48,10 @@ char *job_source_text(const sheard_msg_job *job, char *buf, size_t size) {
     char galaxy[4180];
     if (is_dropped(job)) {
         snprintf(buf, size, "%s (%s)", job->dropped_name, where_now(job, galaxy, sizeof galaxy));
+    } else if (source->exposure.image.path != NULL) {
+        const shear_input input = sheard_source_input(source);
+        snprintf(buf, size, "%s, an exposure",
+                 image_text(&input.parts[SHEAR_PART_IMAGE], galaxy, sizeof galaxy));
     } else if (source->galaxy.path != NULL) {
         const shear_input input = sheard_source_input(source);
         snprintf(buf, size, "%s + noise, psf",

@@ -37,6 +37,11 @@ struct plan_cache {
 
 /* ---- keys ---- */
 
+static void write_model(FILE *out, const shear_psf_model *m) {
+    fprintf(out, "%d;%d;%d;%d;%a;%d;", m->nx, m->ny, m->terms, m->axes, m->step, m->lanczos);
+    fwrite(m->samples, sizeof *m->samples, (size_t)m->terms * (size_t)m->nx * (size_t)m->ny, out);
+}
+
 /* Make a key of all that a plan depends on: equal keys mean equal plans. The caller frees it, also
  * after a failure. */
 static bool key_make(key *k, const shear_plan_request *request) {
@@ -56,6 +61,9 @@ static bool key_make(key *k, const shear_plan_request *request) {
     fprintf(out, "%d;%d;%d;%d;%d;%d;%a;%a;", g->nx, g->ny, g->psf_nx, g->psf_ny, g->psf_oversample,
             request->has_r_gal, request->psf != NULL ? 0.0 : request->r_psf_px, request->core_px);
     fwrite(request->psf != NULL ? (const void *)request->psf : "", 1, n_psf, out);
+    fprintf(out, "%d;%a;%d;", request->frame, request->pixel_scale, request->n_models);
+    for (int i = 0; i < request->n_models; i++)
+        write_model(out, &request->models[i]);
     fprintf(out, "%d;%d;", request->n_psfs, request->n_unusable);
     for (int i = 0; i < request->n_psfs; i++)
         fwrite(&request->psfs[i], 1, sizeof request->psfs[i], out);
