@@ -137,3 +137,12 @@ fuzz_bytes fuzz_seed(int i) {
     b.data = fixture_load(path, &b.size);
     return kinds[i].front ? put_front(b) : b;
 }
+
+bool fuzz_seed_is_good(const char *path) {
+    shear_field *field = NULL;
+    shear_error err = {0};
+    if (shear_field_open(&field, path, &err) != SHEAR_OK)
+        fprintf(stderr, "fuzz_field: %s\n", err.message);
+    shear_field_close(field);
+    return err.code == SHEAR_OK;
+}

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fuzz_field without libFuzzer:
+/* fuzz_field and fuzz_exposure without libFuzzer:
  *   fuzz_field FILE...            each file once
- *   fuzz_field --mutants N [M]    mutants N to M (or 0 to N) of a set of small good field files,
- * always the same ones fuzz_field --corpus DIRECTORY the good files themselves, to begin a
- * libFuzzer run with A mutant that crashes is named on standard error; --mutants with its number
- * alone repeats it. */
+ *   fuzz_field --mutants N [M]    mutants N to M (or 0 to N) of a set of small good files, always
+ *                                 the same ones
+ *   fuzz_field --corpus DIRECTORY the good files themselves, to begin a libFuzzer run with
+ * A mutant that crashes is named on standard error; --mutants with its number alone repeats it. */
 #include "cards.h"
 #include "fits_fixture.h"
 #include "fuzz_field.h"
@@ -71,7 +71,7 @@ static volatile sig_atomic_t current;
 
 /* Says which mutant it was; then the default action. */
 static void on_signal(int number) {
-    char text[64] = "fuzz_field: died at mutant ";
+    char text[64] = "fuzz: died at mutant ";
     size_t n = strlen(text);
     char digits[16];
     int k = 0;
@@ -113,7 +113,7 @@ static int run_mutants(const bytes seeds[FUZZ_SEEDS], int from, int to) {
         LLVMFuzzerTestOneInput(b.data, b.size);
         alarm(0);
         if (open_descriptors() != descriptors) {
-            fprintf(stderr, "fuzz_field: mutant %d left a descriptor open\n", i);
+            fprintf(stderr, "fuzz: mutant %d left a descriptor open\n", i);
             failed = 1;
         }
     }
@@ -129,16 +129,6 @@ static int run_file(const char *path) {
     return 0;
 }
 
-/* What is mutated must be good to begin with, or nothing is tried. */
-static bool is_good(const char *path) {
-    shear_field *field = NULL;
-    shear_error err = {0};
-    if (shear_field_open(&field, path, &err) != SHEAR_OK)
-        fprintf(stderr, "fuzz_field: %s\n", err.message);
-    shear_field_close(field);
-    return err.code == SHEAR_OK;
-}
-
 static int run_seeds(const char *option, int argc, char **argv) {
     bytes seeds[FUZZ_SEEDS];
     if (fixture_setup(NULL) != 0)
@@ -149,7 +139,7 @@ static int run_seeds(const char *option, int argc, char **argv) {
         const char *path = fixture_path("good.fits");
         seeds[i] = fuzz_seed(i);
         fixture_save(path, seeds[i].data, seeds[i].size);
-        good = good && is_good(path);
+        good = good && fuzz_seed_is_good(path); /* or nothing is tried */
         if (corpus != 0 && argc > 0) {
             char out[600];
             snprintf(out, sizeof out, "%s/seed-%d.fits", argv[0], i);
