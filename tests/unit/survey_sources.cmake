@@ -13,3 +13,12 @@ endfunction()
 survey_sources_test(sources_formats)
 survey_sources_test(sources_select)
 survey_sources_test(sources_hostile)
+
+# The real source-extractor, in the formats that it writes.
+add_executable(source_dump source_dump.c)
+target_link_libraries(source_dump PRIVATE source_fixtures)
+set_target_properties(source_dump PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+add_test(NAME system_sextractor
+  COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tests/system/test_sextractor.py)
+set_tests_properties(system_sextractor PROPERTIES LABELS "survey;system" TIMEOUT 120
+  ENVIRONMENT "SOURCE_DUMP=$<TARGET_FILE:source_dump>")

@@ -315,6 +315,25 @@ static void test_text(void **state) {
     source_list_deinit(&s);
 }
 
+/* Whole numbers stay exact, and have bits. */
+static void test_text_integers(void **state) {
+    (void)state;
+    const char *path = fixture_path("whole.cat");
+    source_fixture_text(path, "# 1 ID\n# 2 X\n# 3 Y\n# 4 MASK\n# 5 BIG\n# 6 REAL\n"
+                              "9007199254740993 1 2 2147483647 2147483648 4\n"
+                              "-9223372036854775808 1 2 -2147483648 4 4.5\n"
+                              "1 1 2 6 4 4\n");
+    const shear_exposure e = {.origin = 1, .select = "(MASK & 4) == 4 && REAL == 4"};
+    source_list s = source_fixture_read(path, &e);
+    assert_true(s.id[0] == 9007199254740993 && s.id[1] == INT64_MIN && s.id[2] == 1);
+    assert_true(s.selected[0] == 1 && s.selected[1] == 0 && s.selected[2] == 1);
+    source_list_deinit(&s);
+    const shear_exposure big = {.origin = 1, .select = "BIG > 2147483647"};
+    s = source_fixture_read(path, &big);
+    assert_true(s.selected[0] == 1 && s.selected[1] == 0 && s.selected[2] == 0);
+    source_list_deinit(&s);
+}
+
 /* A gzipped catalog, and one through a descriptor, are read as the file is. */
 static void test_packed(void **state) {
     (void)state;
@@ -408,8 +427,9 @@ int main(void) {
         cmocka_unit_test(test_any_tables),    cmocka_unit_test(test_chosen_hdu),
         cmocka_unit_test(test_usual_columns), cmocka_unit_test(test_chosen_columns),
         cmocka_unit_test(test_contexts),      cmocka_unit_test(test_ellipses),
-        cmocka_unit_test(test_text),          cmocka_unit_test(test_packed),
-        cmocka_unit_test(test_real_twins),    cmocka_unit_test(test_real_files),
+        cmocka_unit_test(test_text),          cmocka_unit_test(test_text_integers),
+        cmocka_unit_test(test_packed),        cmocka_unit_test(test_real_twins),
+        cmocka_unit_test(test_real_files),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

@@ -251,8 +251,13 @@ void sf_table_advise(const sf_table *t, const char *name, char *out, size_t size
     if (s.best != NULL)
         text_append(out, size, "did you mean %s? ", s.best);
     text_append(out, size, "columns:");
-    for (int i = 0; i < t->n; i++)
-        text_append(out, size, "%s %s", i > 0 ? "," : "", t->columns[i].name);
+    const char *before = "";
+    for (int i = 0; i < t->n; i++) {
+        if (t->columns[i].name[0] != '\0') {
+            text_append(out, size, "%s %s", before, t->columns[i].name);
+            before = ",";
+        }
+    }
     sf_make_printable(out);
 }
 

@@ -18,6 +18,13 @@ void text_lines_deinit(text_lines *l) {
     l->bytes = NULL;
 }
 
+void text_lines_rewind(text_lines *l) {
+    l->offset = 0;
+    l->begin = l->end = 0;
+    l->at_end = false;
+    l->number = 0;
+}
+
 /* Move what is left to the front, and fill the rest from the file. */
 static int refill(text_lines *l, shear_error *err) {
     memmove(l->bytes, l->bytes + l->begin, l->end - l->begin);

@@ -23,6 +23,9 @@ typedef struct text_lines {
 int text_lines_init(text_lines *l, int fd, sf_place at, size_t longest, shear_error *err);
 void text_lines_deinit(text_lines *l);
 
+/* Begin again. */
+void text_lines_rewind(text_lines *l);
+
 /* Read the next line, without its end; *line is valid until the next call, and NULL at the end of
  * the file. SHEAR_E_FORMAT: it is too long, or has a zero byte; SHEAR_E_IO. */
 int text_lines_next(text_lines *l, char **line, shear_error *err);

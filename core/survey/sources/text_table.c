@@ -16,7 +16,7 @@
 #include <errno.h>
 #include <string.h>
 
-enum { MOST_COLUMNS = 998, UNIT = 40, BYTES = sizeof(double), FLUSH = 1 << 18 };
+enum { MOST_COLUMNS = 998, UNIT = 40, FLUSH = 1 << 18 };
 
 static const char blanks[] = " \t\r\v\f";
 
@@ -25,15 +25,20 @@ typedef struct text_column {
     int64_t first; /* the number of its first value in a row, from 1 */
     char name[SF_NAME];
     char unit[UNIT + 1];
+    int64_t width; /* how many values it has in a row */
+    char type; /* of TFORM: J or K if it is one integer, of 32 or 64 bits, in all rows; else D */
 } text_column;
 
-/* A catalog that is being converted. */
+/* A catalog that is being converted. The text is read twice: for the number of rows and the types
+ * of the columns, which the header tells, then for the rows. */
 typedef struct conversion {
     text_lines lines;
     text_column *columns; /* [n] */
     size_t n, capacity;
     int64_t values; /* of a row; 0 = no row has been read */
     int64_t rows, most_rows;
+    bool writing; /* the second time */
+    int64_t written;
     buffer out; /* rows that are to be written */
     int fd;
 } conversion;
@@ -92,7 +97,7 @@ static int add_column(conversion *c, const char *text, shear_error *err) {
     bool is = false;
     if (!parse_column(text, &column, &is))
         return bad(c, "a column's number must be followed by its name", err);
-    if (!is)
+    if (!is || c->writing)
         return SHEAR_OK;
     if (c->values > 0)
         return bad(c, "a second head follows the rows: give each chip's catalog its own file", err);
@@ -103,6 +108,7 @@ static int add_column(conversion *c, const char *text, shear_error *err) {
         return bad(c, "there are more than 998 columns", err);
     if (!ARRAY_RESERVE(c->columns, c->capacity, c->n + 1))
         return sf_fail_memory(err, c->lines.at);
+    column.type = 'J';
     c->columns[c->n++] = column;
     return SHEAR_OK;
 }
@@ -118,20 +124,45 @@ static int flush(conversion *c, shear_error *err) {
                       : sf_fail_errno(err, c->lines.at, error, "cannot write a temporary copy");
 }
 
-static int put_value(conversion *c, char *word, shear_error *err) {
+static int64_t bytes_of(char type) {
+    return type == 'J' ? 4 : 8;
+}
+
+static void put_bits(conversion *c, char type, uint64_t bits) {
+    unsigned char bytes[8];
+    const int64_t n = bytes_of(type);
+    for (int64_t k = 0; k < n; k++)
+        bytes[k] = (unsigned char)(bits >> (8 * (n - 1 - k)));
+    buffer_add(&c->out, bytes, (size_t)n);
+}
+
+static char type_of(char before, bool whole, int64_t number) {
+    if (before == 'D' || !whole)
+        return 'D';
+    return before == 'J' && number >= INT32_MIN && number <= INT32_MAX ? 'J' : 'K';
+}
+
+/* Take a number of `column`, or of none if it is NULL. */
+static int take_value(conversion *c, text_column *column, char *word, shear_error *err) {
+    int64_t number = 0;
     double value = 0.0;
-    unsigned char bytes[BYTES];
     uint64_t bits = 0;
-    if (!text_to_double(word, &value)) {
+    const char before = column != NULL ? column->type : 'D';
+    const bool whole = before != 'D' && text_to_int64(word, &number);
+    const char type = type_of(before, whole, number);
+    if (type == 'D' && !text_to_double(word, &value)) {
         char what[80];
         sf_make_printable(word);
         snprintf(what, sizeof what, "'%.30s' is not a number", word);
         return bad(c, what, err);
     }
-    memcpy(&bits, &value, sizeof bits);
-    for (int k = 0; k < BYTES; k++)
-        bytes[k] = (unsigned char)(bits >> (56 - 8 * k));
-    buffer_add(&c->out, bytes, BYTES);
+    if (c->writing && type != before)
+        return bad(c, "the file has changed while it was read", err);
+    if (column != NULL)
+        column->type = type;
+    memcpy(&bits, type == 'D' ? (void *)&value : (void *)&number, sizeof bits);
+    if (c->writing)
+        put_bits(c, type, bits);
     return SHEAR_OK;
 }
 
@@ -148,19 +179,29 @@ static int check_values(conversion *c, int64_t values, shear_error *err) {
     return bad(c, what, err);
 }
 
-static int add_row(conversion *c, char *line, shear_error *err) {
+/* Take all values of a row; *values is their number. */
+static int take_values(conversion *c, char *line, int64_t *values, shear_error *err) {
+    size_t next = 0; /* column */
+    for (char *word = line; (word += strspn(word, blanks)), *word != '\0'; ++*values) {
+        char *end = word + strcspn(word, blanks);
+        char *after = *end != '\0' ? end + 1 : end;
+        *end = '\0';
+        while (next < c->n && c->columns[next].first <= *values + 1)
+            next++;
+        TRY(take_value(c, next > 0 ? &c->columns[next - 1] : NULL, word, err));
+        word = after;
+    }
+    return SHEAR_OK;
+}
+
+static int take_row(conversion *c, char *line, shear_error *err) {
     int64_t values = 0;
     if (c->n == 0)
         return bad(c, "no head ('#  1 NUMBER ...') names the columns before the rows", err);
-    if (++c->rows > c->most_rows)
+    int64_t *rows = c->writing ? &c->written : &c->rows;
+    if (++*rows > (c->writing ? c->rows : c->most_rows))
         return bad(c, "there are too many rows: split the catalog, one per chip", err);
-    for (char *word = line; (word += strspn(word, blanks)), *word != '\0'; values++) {
-        char *end = word + strcspn(word, blanks);
-        char *next = *end != '\0' ? end + 1 : end;
-        *end = '\0';
-        TRY(put_value(c, word, err));
-        word = next;
-    }
+    TRY(take_values(c, line, &values, err));
     TRY(check_values(c, values, err));
     return c->out.n >= FLUSH ? flush(c, err) : SHEAR_OK;
 }
@@ -194,28 +235,33 @@ static void end_header(buffer *b) {
         buffer_add(b, " ", 1);
 }
 
-static void put_form(buffer *b, int number, int64_t values) {
+static void put_form(buffer *b, int number, int64_t values, char type) {
     char form[24];
-    snprintf(form, sizeof form, "%lldD", (long long)values);
+    snprintf(form, sizeof form, "%lld%c", (long long)values, type);
     put_text(b, "TFORM", number, form);
 }
 
 /* Values before the first column are a column without a name. */
 static void put_columns(const conversion *c, buffer *b) {
-    const int64_t all = c->values > 0 ? c->values : c->columns[c->n - 1].first;
-    put_form(b, 1, c->columns[0].first - 1);
+    put_form(b, 1, c->columns[0].first - 1, 'D');
     for (size_t i = 0; i < c->n; i++) {
+        const text_column *column = &c->columns[i];
         const int number = (int)i + 2;
-        const int64_t next = i + 1 < c->n ? c->columns[i + 1].first : all + 1;
-        put_text(b, "TTYPE", number, c->columns[i].name);
-        put_form(b, number, next - c->columns[i].first);
-        if (c->columns[i].unit[0] != '\0')
-            put_text(b, "TUNIT", number, c->columns[i].unit);
+        put_text(b, "TTYPE", number, column->name);
+        put_form(b, number, column->width, column->type);
+        if (column->unit[0] != '\0')
+            put_text(b, "TUNIT", number, column->unit);
     }
 }
 
+static int64_t row_bytes(const conversion *c) {
+    int64_t bytes = 8 * (c->columns[0].first - 1);
+    for (size_t i = 0; i < c->n; i++)
+        bytes += c->columns[i].width * bytes_of(c->columns[i].type);
+    return bytes;
+}
+
 static void put_headers(const conversion *c, buffer *b) {
-    const int64_t all = c->values > 0 ? c->values : c->columns[c->n - 1].first;
     put_card(b, "SIMPLE", "                   T");
     put_number(b, "BITPIX", 8);
     put_number(b, "NAXIS", 0);
@@ -224,7 +270,7 @@ static void put_headers(const conversion *c, buffer *b) {
     put_text(b, "XTENSION", 0, "BINTABLE");
     put_number(b, "BITPIX", 8);
     put_number(b, "NAXIS", 2);
-    put_number(b, "NAXIS1", all * BYTES);
+    put_number(b, "NAXIS1", row_bytes(c));
     put_number(b, "NAXIS2", c->rows);
     put_number(b, "PCOUNT", 0);
     put_number(b, "GCOUNT", 1);
@@ -234,50 +280,56 @@ static void put_headers(const conversion *c, buffer *b) {
     end_header(b);
 }
 
-/* Write the headers to the file's beginning. They have one size, whatever the number of rows. */
-static int write_headers(conversion *c, shear_error *err) {
-    if (lseek(c->fd, 0, SEEK_SET) != 0)
-        return sf_fail_errno(err, c->lines.at, errno, "cannot write a temporary copy");
-    put_headers(c, &c->out);
-    return flush(c, err);
+/* Set widths, once all rows have been seen. */
+static void lay_out(conversion *c) {
+    if (c->values == 0)
+        c->values = c->columns[c->n - 1].first;
+    for (size_t i = 0; i < c->n; i++) {
+        const int64_t next = i + 1 < c->n ? c->columns[i + 1].first : c->values + 1;
+        c->columns[i].width = next - c->columns[i].first;
+        if (c->columns[i].width > 1)
+            c->columns[i].type = 'D';
+    }
 }
 
-/* Write what has been collected, zeros up to a whole block, and the headers. */
-static int finish(conversion *c, shear_error *err) {
+/* Read the text, up to a second head. */
+static int read_text(conversion *c, shear_error *err) {
+    char *line = NULL;
+    for (;;) {
+        TRY(text_lines_next(&c->lines, &line, err));
+        if (line == NULL)
+            return SHEAR_OK;
+        if (line[0] == '#') {
+            TRY(add_column(c, line + 1, err));
+        } else if (line[strspn(line, blanks)] != '\0') {
+            TRY(take_row(c, line, err));
+        }
+    }
+}
+
+/* Write the headers, the rows, and zeros up to a whole block. */
+static int write_table(conversion *c, shear_error *err) {
     static const char zeros[SF_BLOCK_BYTES];
-    const int64_t bytes = c->rows * c->values * BYTES;
+    c->writing = true;
+    lay_out(c);
+    const int64_t bytes = c->rows * row_bytes(c);
+    put_headers(c, &c->out);
+    text_lines_rewind(&c->lines);
+    TRY(read_text(c, err));
+    if (c->written != c->rows)
+        return bad(c, "the file has changed while it was read", err);
     buffer_add(&c->out, zeros, (size_t)(sf_padded(bytes) - bytes));
-    TRY(flush(c, err));
-    return write_headers(c, err);
-}
-
-static bool is_row(const char *line) {
-    return line[strspn(line, blanks)] != '\0';
-}
-
-/* Write headers at the first row, to be overwritten at the end. */
-static int convert_line(conversion *c, char *line, shear_error *err) {
-    if (line[0] == '#')
-        return add_column(c, line + 1, err);
-    if (!is_row(line))
-        return SHEAR_OK;
-    if (c->rows == 0 && c->n > 0)
-        TRY(write_headers(c, err));
-    return add_row(c, line, err);
+    return flush(c, err);
 }
 
 int text_table_convert(int fd, sf_place at, int64_t most_rows, int *out, shear_error *err) {
     CLEANUP(conversion_deinit) conversion c = {.fd = -1, .most_rows = most_rows};
-    char *line = NULL;
     TRY(text_lines_init(&c.lines, fd, at, TEXT_TABLE_LINE, err));
-    TRY(sf_scratch_open(at, &c.fd, err));
-    do {
-        TRY(text_lines_next(&c.lines, &line, err));
-        TRY(line != NULL ? convert_line(&c, line, err) : SHEAR_OK);
-    } while (line != NULL);
+    TRY(read_text(&c, err));
     if (c.n == 0)
         return bad(&c, "the text ends without a head that names columns", err);
-    TRY(finish(&c, err));
+    TRY(sf_scratch_open(at, &c.fd, err));
+    TRY(write_table(&c, err));
     *out = c.fd;
     c.fd = -1;
     return SHEAR_OK;

@@ -16,8 +16,8 @@ enum {
     TEXT_TABLE_VALUES = 100000 /* numbers of a row, at most */
 };
 
-/* Convert the text in descriptor `fd`, whose position is not used, to a FITS file of one table of
- * doubles with at most `most_rows`; *out is an unnamed file, which the caller closes.
- * SHEAR_E_FORMAT: no such text; what is wrong, and in which line. SHEAR_E_IO, SHEAR_E_FULL,
- * SHEAR_E_NOMEM. */
+/* Convert the text in descriptor `fd`, whose position is not used, to a FITS file of one table with
+ * at most `most_rows`; columns are doubles, or integers of 32 or 64 bits if all their values are;
+ * *out is an unnamed file, which the caller closes. SHEAR_E_FORMAT: no such text; what is wrong,
+ * and in which line. SHEAR_E_IO, SHEAR_E_FULL, SHEAR_E_NOMEM. */
 int text_table_convert(int fd, sf_place at, int64_t most_rows, int *out, shear_error *err);
