@@ -12,3 +12,5 @@ endfunction()
 
 survey_psf_test(psf_psfex)
 survey_psf_test(psf_piff)
+survey_psf_test(psf_cube)
+survey_psf_test(psf_stars)

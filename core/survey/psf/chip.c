@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "survey/psf/internal.h"
 
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
@@ -36,6 +37,17 @@ void psf_chip_set_variable(psf_chip *c, int variable, const char *name) {
     psf_variable *v = &c->variables[variable];
     text_set(v->name, sizeof v->name, name);
     v->quantity = quantity_of(name);
+}
+
+void psf_chip_tangent(const psf_chip *c, double ra, double dec, double *u, double *v) {
+    const double degree = acos(-1.0) / 180.0;
+    const double a = (ra - c->ra0) * degree;
+    const double d = dec * degree;
+    const double d0 = c->dec0 * degree;
+    const double cosine = sin(d0) * sin(d) + cos(d0) * cos(d) * cos(a);
+    const double r = cosine > 0.0 ? 3600.0 / degree / cosine : NAN;
+    *u = -r * cos(d) * sin(a);
+    *v = r * (cos(d0) * sin(d) - sin(d0) * cos(d) * cos(a));
 }
 
 /* Append "2 in X_IMAGE, Y_IMAGE" for a group of variables. Return whether it has any. */

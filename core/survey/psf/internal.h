@@ -42,8 +42,9 @@ typedef struct psf_chip {
     polynomial terms;
     psf_variable variables[POLYNOMIAL_VARIABLES];
     double ra0, dec0; /* degrees */
-    double *places;   /* [terms][2] x, y (or u, v) of planes of which the nearest is used; owned.
-                         NULL: the polynomial is used */
+    int planes;       /* of which the nearest is used */
+    double *places; /* [planes][2] of the planes, in the two variables: the nearest is used; owned.
+                       NULL: the polynomial is used */
     const char *contexts[POLYNOMIAL_VARIABLES]; /* [n_contexts] names of those variables */
     int n_contexts;
 } psf_chip;
@@ -64,6 +65,10 @@ int psf_chip_new(psf_models *p, psf_chip **chip, shear_error *err);
 /* Set the variable that a PSF program calls `name`: pixel coordinates (X_IMAGE, XWIN_IMAGE, x,
  * ...), u and v, or else a context. */
 void psf_chip_set_variable(psf_chip *c, int variable, const char *name);
+
+/* Compute u (West) and v (North), arcsec, in the tangent plane at (c->ra0, c->dec0); NaN beyond 90
+ * degrees. */
+void psf_chip_tangent(const psf_chip *c, double ra, double dec, double *u, double *v);
 
 /* Append to the text: ", degree 2 in X_IMAGE, Y_IMAGE", or ", constant". */
 void psf_chip_describe(psf_chip *c);

@@ -3,10 +3,13 @@
 
 #include "base/cleanup.h"
 #include "base/text.h"
+#include "survey/psf/image_cube.h"
 #include "survey/psf/internal.h"
 #include "survey/psf/piff.h"
 #include "survey/psf/psfex.h"
+#include "survey/psf/star_stamps.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +40,10 @@ static const struct {
     int (*read)(psf_models *p, shear_error *err);
     const char *name;
 } kinds[] = {{SHEAR_PSF_KIND_PSFEX, psfex_read, "PSFEx model (a table with a column PSF_MASK)"},
-             {SHEAR_PSF_KIND_PIFF, piff_read, "model of Piff (a table psf with a column type)"}};
+             {SHEAR_PSF_KIND_PIFF, piff_read, "model of Piff (a table psf with a column type)"},
+             {SHEAR_PSF_KIND_STARS, star_stamps_read,
+              "stamps of stars (a table with a column VIGNET or IMAGE)"},
+             {SHEAR_PSF_KIND_CUBE, image_cube_read, "image of a PSF"}};
 
 static int read_models(psf_models *p, enum shear_psf_kind kind, shear_error *err) {
     const char *name = NULL;
@@ -93,7 +99,7 @@ static int finish(psf_models *p, shear_error *err) {
     int terms = 1;
     if (sound == NULL) {
         return sf_fail(err, SHEAR_E_PSF, at,
-                       "make the PSF model again, with more or brighter stars (SAMPLE_* of PSFEx)",
+                       "make the PSF model again, with more or brighter stars",
                        "no PSF model can be used: %s", p->chips[0].text);
     }
     for (int i = 0; i < p->n; i++)
@@ -115,6 +121,7 @@ static int finish(psf_models *p, shear_error *err) {
 int psf_models_open(psf_models **out, const shear_input_part *part, int fd,
                     enum shear_psf_kind kind, int stamp, shear_error *err) {
     *out = NULL;
+    assert(stamp >= 8);
     CLEANUP(psf_models_release) psf_models *p = calloc(1, sizeof *p);
     if (p == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
@@ -163,24 +170,11 @@ int psf_models_contexts(const psf_models *p, int i, const char *const **names) {
 
 /* ---- coefficients ---- */
 
-/* Compute u (West) and v (North), arcsec, in the tangent plane at the pointing; NaN beyond 90
- * degrees. */
-static void tangent(const psf_chip *c, const psf_place *place, double *u, double *v) {
-    const double degree = acos(-1.0) / 180.0;
-    const double a = (place->ra - c->ra0) * degree;
-    const double d = place->dec * degree;
-    const double d0 = c->dec0 * degree;
-    const double cosine = sin(d0) * sin(d) + cos(d0) * cos(d) * cos(a);
-    const double r = cosine > 0.0 ? 3600.0 / degree / cosine : NAN;
-    *u = -r * cos(d) * sin(a);
-    *v = r * (cos(d0) * sin(d) - sin(d0) * cos(d) * cos(a));
-}
-
 /* Compute the variables. Return false if one is unknown or too far from the stars. */
 static bool compute_variables(const psf_chip *c, const psf_place *place, double *out) {
     double value[PSF_QUANTITY_CONTEXT] = {[PSF_QUANTITY_X] = place->x, [PSF_QUANTITY_Y] = place->y};
     const double *context = place->context;
-    tangent(c, place, &value[PSF_QUANTITY_U], &value[PSF_QUANTITY_V]);
+    psf_chip_tangent(c, place->ra, place->dec, &value[PSF_QUANTITY_U], &value[PSF_QUANTITY_V]);
     for (int i = 0; i < c->terms.variables; i++) {
         const psf_variable *v = &c->variables[i];
         const double x = v->quantity == PSF_QUANTITY_CONTEXT ? *context++ : value[v->quantity];
@@ -191,6 +185,18 @@ static bool compute_variables(const psf_chip *c, const psf_place *place, double 
     return true;
 }
 
+/* Set the coefficient of the plane nearest to u[2] to 1. */
+static void choose_nearest(const psf_chip *c, const double *u, double *t) {
+    double least = INFINITY;
+    int nearest = 0;
+    for (int i = 0; i < c->planes; i++) {
+        const double d = hypot(u[0] - c->places[2 * i], u[1] - c->places[2 * i + 1]);
+        nearest = d < least ? i : nearest;
+        least = fmin(d, least);
+    }
+    t[nearest] = 1.0;
+}
+
 bool psf_models_terms(const psf_models *p, int i, const psf_place *place, double *c) {
     const psf_chip *chip = &p->chips[i];
     double u[POLYNOMIAL_VARIABLES] = {0};
@@ -199,7 +205,11 @@ bool psf_models_terms(const psf_models *p, int i, const psf_place *place, double
         c[t] = 0.0;
     if (chip->failed || !compute_variables(chip, place, u))
         return false;
-    polynomial_terms(&chip->terms, u, c);
+    if (chip->places != NULL) {
+        choose_nearest(chip, u, c);
+    } else {
+        polynomial_terms(&chip->terms, u, c);
+    }
     for (int t = 0; t < chip->model.terms; t++)
         finite = finite && isfinite(c[t]);
     return finite;

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* survey/psf/psf_models.h: the PSF models of an exposure, from PSFEx, Piff, cubes of images or
- * stamps of stars, as models that are linear in numbers of each galaxy (shear_psf_model). */
+ * stamps of stars, as models that are linear in numbers of each galaxy (shear_psf_model).
+ *
+ * PSFEx and Piff give samples. So does a cube of at most 64 images, of which the nearest is used;
+ * a larger one, and stars, give |W|^2 (SHEAR_PSF_AXES_MODES). Models may differ in the size of
+ * their planes and in step. */
 #pragma once
 
 #include "shear/error.h"
@@ -13,9 +17,11 @@
 typedef struct psf_models psf_models;
 
 /* Open the file at part->path, or the descriptor fd if it is not negative. `stamp` is the side of
- * the galaxy stamps (for stars, whose stamps are cut to it or padded). SHEAR_E_IO, SHEAR_E_FORMAT;
- * SHEAR_E_PSF: a failed model (no accepted star, no flux), or a kind of PSF that is not read: the
- * advice says what to do instead. *p is NULL on error. */
+ * the galaxy stamps, 8 or more: its modes are those of SHEAR_PSF_AXES_MODES. SHEAR_E_IO,
+ * SHEAR_E_FORMAT; SHEAR_E_PSF: all models have failed (no accepted star, no flux), or a kind of PSF
+ * that is not read: the advice says what to do instead. If only some chips have failed, their text
+ * says so, their planes are those of a sound one, and their galaxies have no coefficients. *p is
+ * NULL on error. */
 int psf_models_open(psf_models **p, const shear_input_part *part, int fd, enum shear_psf_kind kind,
                     int stamp, shear_error *err);
 void psf_models_close(psf_models *p);
