@@ -7,7 +7,7 @@
 # would change the bits of results between two jobs of a field, and the reader that it starts would be of another release
 # than itself. control files: systemd/deb.
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES docs/accuracy.md docs/choosing.md docs/field-files.md docs/glossary.md docs/method.md docs/performance.md docs/protocol.md docs/protocol.schema.json
+install(FILES docs/accuracy.md docs/choosing.md docs/exposures.md docs/field-files.md docs/glossary.md docs/method.md docs/performance.md docs/protocol.md docs/protocol.schema.json
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs)
 install(FILES docs/pictures/stamps.png DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs/pictures)
 install(FILES config/sheard.conf DESTINATION ${CMAKE_INSTALL_DOCDIR}/config)
