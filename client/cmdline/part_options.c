@@ -29,6 +29,14 @@ enum exit_code part_options_set(const option_entry *entry, const char *value) {
     return message_fail(EXIT_CODE_USAGE, NULL, "--%s", err.message);
 }
 
+enum exit_code part_options_set_size(const option_entry *entry, const char *value) {
+    part_options *o = entry->context;
+    shear_error err = {0};
+    return shear_mosaic_set_size(&o->mosaic, value, &err) == SHEAR_OK
+               ? EXIT_CODE_DONE
+               : message_fail(EXIT_CODE_USAGE, NULL, "--%s", err.message);
+}
+
 /* Replace only the catalog of a field file: the file itself is all other parts. */
 static void use_file(part_options *o, const char *file) {
     o->given[SHEAR_PART_GALAXY] = o->given[SHEAR_PART_NOISE] = o->given[SHEAR_PART_PSF] = file;
@@ -98,6 +106,7 @@ static int set_part(part_input *p, int i, const char *given, bool absolute, shea
 int part_input_init(part_input *p, const part_options *o, bool absolute, shear_error *err) {
     *p = (part_input){.input = shear_input_of_file(NULL)};
     p->input.exposure = o->exposure;
+    p->input.mosaic = o->mosaic;
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         if (o->given[i] != NULL)
             TRY(set_part(p, i, o->given[i], absolute, err));

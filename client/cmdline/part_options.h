@@ -13,8 +13,10 @@
 #define PART_OPTIONS(parts)                                                                        \
     {.name = "galaxy", .text = &(parts)->given[SHEAR_PART_GALAXY]},                                \
         {.name = "noise", .text = &(parts)->given[SHEAR_PART_NOISE]},                              \
-        {.name = "psf", .text = &(parts)->given[SHEAR_PART_PSF]}, {                                \
-        .name = "catalog-in", .text = &(parts)->given[SHEAR_PART_CATALOG]                          \
+        {.name = "psf", .text = &(parts)->given[SHEAR_PART_PSF]},                                  \
+        {.name = "catalog-in", .text = &(parts)->given[SHEAR_PART_CATALOG]},                       \
+        {.name = "stamp-size", .set = part_options_set_size, .context = (parts)}, {                \
+        .name = "stamps", .integer = &(parts)->mosaic.stamps, .min = 1, .max = INT32_MAX           \
     }
 
 /* Further entries for subcommands that read exposures; PART_OPTIONS go before them. */
@@ -37,6 +39,7 @@
 typedef struct part_options {
     const char *given[SHEAR_N_PARTS];
     const char *sources; /* --sources, which is SHEAR_PART_CATALOG of an exposure */
+    shear_mosaic mosaic;
     shear_exposure exposure;
     const char *of_exposure; /* one of its options that was given, or NULL */
 } part_options;
@@ -46,6 +49,8 @@ typedef struct part_options {
         .exposure = {.origin = 1 }                                                                 \
     }
 
+/* Set the size of stamps: `set` of an option_entry. */
+enum exit_code part_options_set_size(const option_entry *entry, const char *value);
 /* Set an option of the exposure: `set` of an option_entry. */
 enum exit_code part_options_set(const option_entry *entry, const char *value);
 /* Return whether any of these options was given. */

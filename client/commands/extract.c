@@ -47,6 +47,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     shear_error err = {0};
     TRY(parse(self, argc, argv, &o));
     shear_input input = shear_input_of_file(argv[optind]);
+    input.mosaic = o.parts.mosaic;
     if (part_options_any(&o.parts)) {
         if (part_input_init(&parts, &o.parts, false, &err) != SHEAR_OK)
             return message_error(&err);

@@ -125,8 +125,10 @@ static enum exit_code measure_files(char **paths, size_t n, const measure_option
     CLEANUP(release_free) measure_input *inputs = calloc(n, sizeof *inputs);
     if (inputs == NULL)
         return message_no_memory();
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         inputs[i] = (measure_input){.source = shear_input_of_file(paths[i]), .path = paths[i]};
+        inputs[i].source.mosaic = o->parts.mosaic;
+    }
     return measure_inputs(inputs, n, o);
 }
 

@@ -63,11 +63,14 @@ static enum exit_code set_images(submission *s, const submission_options *o) {
     return EXIT_CODE_DONE;
 }
 
-static enum exit_code set_file(submission *s, const char *name) {
+static enum exit_code set_file(submission *s, const char *name, const submission_options *o) {
     shear_error err = {0};
+    shear_input input = shear_input_of_file(NULL);
     if (input_path_absolute(name, &s->path, &err) != 0)
         return message_error(&err);
-    s->params.submit.source.path = s->path;
+    input.path = s->path;
+    input.mosaic = o->parts.mosaic;
+    sheard_source_set(&s->params.submit.source, &input);
     return EXIT_CODE_DONE;
 }
 
@@ -119,7 +122,7 @@ static enum exit_code set_source(submission *s, const char *name, const submissi
     if (name == NULL)
         return set_images(s, o);
     if (!is_job_file(name))
-        return set_file(s, name);
+        return set_file(s, name, o);
     const enum exit_code code = read_job_file(s, name);
     s->params.submit = s->parsed; /* owns the strings */
     return code;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The options of an exposure by name: one table for command lines and jobs. */
+/* The options of an exposure by name: one table for command lines and jobs. The size of stamps. */
 #include "shear/input.h"
 
 #include "shear/plan.h"
@@ -108,6 +108,24 @@ const char *shear_exposure_get(const shear_exposure *e, const char *name, char *
     }
     snprintf(number, 24, "%d", value);
     return number;
+}
+
+int shear_mosaic_set_size(shear_mosaic *m, const char *text, shear_error *err) {
+    char end = '\0';
+    int nx = 0;
+    int ny = 0;
+    const int n = sscanf(text, "%4dx%4d%c", &nx, &ny, &end);
+    if (n == 1 && strspn(text, "0123456789") == strlen(text))
+        ny = nx;
+    if (n < 1 || n > 2 || nx < SHEAR_MIN_SIDE || nx > SHEAR_MAX_SIDE || ny < SHEAR_MIN_SIDE ||
+        ny > SHEAR_MAX_SIDE) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL,
+                          "stamp-size is '%s', but must be N or NxM, %d to %d pixels", text,
+                          SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
+    }
+    m->stamp_nx = nx;
+    m->stamp_ny = ny;
+    return SHEAR_OK;
 }
 
 const char *shear_exposure_option(int i) {

@@ -26,6 +26,7 @@ static bool copy(const char **to, const char *from) {
 bool job_files_acquire(job_files *f, const shear_input *input, const int *fds) {
     *f = (job_files){.input = shear_input_of_file(NULL)};
     bool ok = copy(&f->input.path, input->path);
+    f->input.mosaic = input->mosaic;
     f->input.exposure = input->exposure;
     for (int i = 0; i < N_TEXTS; i++)
         ok = copy(text_at(&f->input.exposure, i), *text_at(&f->input.exposure, i)) && ok;

@@ -128,6 +128,9 @@ static int serve(child *c) {
 /* Read the names, which are for messages, and set the descriptors. */
 static void read_input(child *c, int argc, char **argv) {
     c->input = shear_input_of_file(argc == READER_ARGS_FILE ? argv[READER_ARG_FIRST_NAME] : NULL);
+    c->input.mosaic = (shear_mosaic){.stamp_nx = (int)strtol(argv[5], NULL, 10),
+                                     .stamp_ny = (int)strtol(argv[6], NULL, 10),
+                                     .stamps = strtoll(argv[7], NULL, 10)};
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         char *const *part = argv + READER_ARG_FIRST_NAME + (ptrdiff_t)3 * i;
         const bool whole = c->input.path != NULL;

@@ -16,7 +16,7 @@ enum { N_FDS = READER_FD_END - READER_FD_SOCKET, NUMBER = 24 };
 
 /* The child's arguments, with buffers for the numbers. */
 typedef struct arguments {
-    char numbers[4][NUMBER];
+    char numbers[READER_ARG_FIRST_NAME - 1][NUMBER];
     char hdus[SHEAR_N_PARTS][NUMBER];
     char options[SHEAR_N_EXPOSURE_OPTIONS][NUMBER];
     char *argv[READER_ARGS_PARTS + 1];
@@ -29,8 +29,11 @@ static void fill_arguments(arguments *a, const shear_input *input, int n_scratch
     snprintf(a->numbers[1], NUMBER, "%" PRId64, limits->cpu_seconds);
     snprintf(a->numbers[2], NUMBER, "%" PRId64, limits->unpacked_bytes);
     snprintf(a->numbers[3], NUMBER, "%d", n_scratch);
+    snprintf(a->numbers[4], NUMBER, "%d", input->mosaic.stamp_nx);
+    snprintf(a->numbers[5], NUMBER, "%d", input->mosaic.stamp_ny);
+    snprintf(a->numbers[6], NUMBER, "%" PRId64, input->mosaic.stamps);
     a->argv[n++] = (char *)"sheard-reader";
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < READER_ARG_FIRST_NAME - 1; i++)
         a->argv[n++] = a->numbers[i];
     if (input->path != NULL)
         a->argv[n++] = (char *)input->path;

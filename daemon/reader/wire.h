@@ -23,11 +23,12 @@ enum {
 };
 
 /* Arguments of the child: bytes of memory, seconds of processor time, bytes of the largest unpacked
- * file, number of scratch files. Then the file's name; or, for each part, its file's name ("": not
- * given), its HDU's number (-1: none) and its HDU's name ("": none), and the options of an exposure
- * (shear_exposure_option; "": the default). The numbers include argv[0]. */
+ * file, number of scratch files, columns, rows and number of stamps (shear_mosaic). Then the file's
+ * name; or, for each part, its file's name ("": not given), its HDU's number (-1: none) and its
+ * HDU's name ("": none), and the options of an exposure (shear_exposure_option; "": the default).
+ * The numbers include argv[0]. */
 enum {
-    READER_ARG_FIRST_NAME = 5,
+    READER_ARG_FIRST_NAME = 8,
     READER_ARGS_FILE = READER_ARG_FIRST_NAME + 1,
     READER_ARG_FIRST_OPTION = READER_ARG_FIRST_NAME + 3 * SHEAR_N_PARTS,
     READER_ARGS_PARTS = READER_ARG_FIRST_OPTION + SHEAR_N_EXPOSURE_OPTIONS

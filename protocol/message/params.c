@@ -49,6 +49,10 @@ MSG_PART(exposure, MSG_STRUCT(exposure, image, image, MSG_NULLABLE),
          MSG_STRUCT(exposure, noise_image, image, MSG_NULLABLE),
          OPTION_NUMBER(noise_stamps, 1, SHEAR_MAX_NOISE_PLANES), OPTION_TEXT(frame));
 
+/* A number that is 0 if it is not given. */
+#define MSG_NUMBER_AS(T, member, key, low, high)                                                   \
+    MSG_MEMBER(T, member, key, MSG_INT, int64_t, .flags = MSG_NULLABLE, .min = (low), .max = (high))
+
 /* The members of a source are written among those of the message that contains it. */
 #define SOURCE_MEMBERS(T, at)                                                                      \
     MSG_STRING_AS(T, at path, "path", SHEARD_MSG_PATH_MAX, MSG_ABSOLUTE),                          \
@@ -56,6 +60,9 @@ MSG_PART(exposure, MSG_STRUCT(exposure, image, image, MSG_NULLABLE),
         MSG_STRUCT_AS(T, at noise, "noise", image, MSG_NULLABLE),                                  \
         MSG_STRUCT_AS(T, at psf, "psf", image, MSG_NULLABLE),                                      \
         MSG_STRUCT_AS(T, at catalog, "catalog", image, MSG_NULLABLE),                              \
+        MSG_NUMBER_AS(T, at stamp_nx, "stamp_nx", SHEAR_MIN_SIDE, SHEAR_MAX_SIDE),                 \
+        MSG_NUMBER_AS(T, at stamp_ny, "stamp_ny", SHEAR_MIN_SIDE, SHEAR_MAX_SIDE),                 \
+        MSG_NUMBER_AS(T, at stamps, "stamps", 1, INT32_MAX),                                       \
         MSG_STRUCT_AS(T, at exposure, "exposure", exposure, MSG_NULLABLE)
 
 static const msg_member source_members[] = {SOURCE_MEMBERS(source, )};
@@ -184,6 +191,10 @@ static int check_source(const void *message, sheard_rpc_error *error) {
     if (is_exposure(&s) && any)
         return bad_source(error, SHEARD_RPC_BAD_PARAMETER, "exposure",
                           "contradicts separate images");
+    if ((s.stamp_nx != 0) != (s.stamp_ny != 0)) {
+        return bad_source(error, SHEARD_RPC_MISSING_PARAMETER,
+                          s.stamp_nx != 0 ? "stamp_ny" : "stamp_nx", "is missing");
+    }
     if (s.path != NULL)
         return SHEARD_RPC_OK;
     TRY(is_exposure(&s) ? check_exposure(&s.exposure, error) : check_images(parts, any, error));
@@ -198,6 +209,7 @@ shear_input sheard_source_input(const sheard_msg_source *source) {
     sheard_source_parts(&s, parts);
     for (int i = 0; i < SHEAR_N_PARTS; i++)
         input.parts[i] = (shear_input_part){parts[i]->path, parts[i]->extname, parts[i]->hdu};
+    input.mosaic = (shear_mosaic){(int)s.stamp_nx, (int)s.stamp_ny, s.stamps};
     for (int i = 0; i < N_OPTIONS && is_exposure(&s); i++)
         (void)set_option(&input.exposure, &s.exposure, i, NULL); /* checked before */
     if (input.parts[SHEAR_PART_NOISE].path != NULL && is_exposure(&s))
@@ -208,6 +220,9 @@ shear_input sheard_source_input(const sheard_msg_source *source) {
 void sheard_source_set(sheard_msg_source *s, const shear_input *input) {
     sheard_msg_image *parts[SHEAR_N_PARTS];
     s->path = input->path;
+    s->stamp_nx = input->mosaic.stamp_nx;
+    s->stamp_ny = input->mosaic.stamp_ny;
+    s->stamps = input->mosaic.stamps;
     s->exposure.image.path = input->parts[SHEAR_PART_IMAGE].path; /* which decides what is what */
     sheard_source_parts(s, parts);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {

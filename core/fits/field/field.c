@@ -210,8 +210,8 @@ static void fill_info(field_file *f) {
 static int open_field(field_file *f, const shear_input *input, const int *fds, shear_error *err) {
     TRY(sf_parts_init(&f->parts, input, fds, err));
     TRY(read_primary(f, err));
-    TRY(sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err));
-    TRY(sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err));
+    TRY(sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], &input->mosaic, err));
+    TRY(sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], &input->mosaic, err));
     TRY(check_noise(f, err));
     TRY(sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err));
     fill_info(f);

@@ -33,7 +33,7 @@ static int lay_out_cube(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err) 
     return SHEAR_OK;
 }
 
-static int lay_out_mosaic(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err) {
+static int lay_out_mosaic(sf_stamps *s, int64_t nx, int64_t ny, int64_t stamps, shear_error *err) {
     const int64_t *axes = s->image.axes;
     if (axes[0] % nx != 0 || axes[1] % ny != 0) {
         return sf_fail(err, SHEAR_E_FORMAT, s->image.cards.at, NULL,
@@ -44,36 +44,64 @@ static int lay_out_mosaic(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err
     s->layout = SHEAR_LAYOUT_MOSAIC;
     s->columns = axes[0] / nx;
     const int64_t most = s->columns * (axes[1] / ny);
-    s->n = most;
-    return sf_key_int(&s->image.cards, "NSTAMP", 1, most, &s->n, err);
+    s->n = stamps > 0 ? stamps : most;
+    if (stamps > most) {
+        return sf_fail(err, SHEAR_E_FORMAT, s->image.cards.at, NULL,
+                       "the mosaic has room for %lld stamps, not for %lld", (long long)most,
+                       (long long)stamps);
+    }
+    return stamps > 0 ? SHEAR_OK : sf_key_int(&s->image.cards, "NSTAMP", 1, most, &s->n, err);
 }
 
-static int lay_out(sf_stamps *s, shear_error *err) {
+/* Read the size of a stamp from the keywords; SF_ABSENT without them. */
+static int read_size(const sf_image *image, int64_t *nx, int64_t *ny, shear_error *err) {
+    *nx = *ny = SF_ABSENT;
+    TRY(sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, nx, err));
+    TRY(sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, ny, err));
+    const bool has_nx = *nx != SF_ABSENT;
+    if (has_nx == (*ny != SF_ABSENT))
+        return SHEAR_OK;
+    return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, "give both, or neither",
+                   "it has the keyword %s without %s", has_nx ? "STAMPNX" : "STAMPNY",
+                   has_nx ? "STAMPNY" : "STAMPNX");
+}
+
+/* An image this large is a grid of stamps that does not say so, rather than one stamp. */
+static int check_single(const sf_image *image, shear_error *err) {
+    enum { LARGE = 256 };
+    if (image->naxis != 2 || (image->axes[0] <= LARGE && image->axes[1] <= LARGE))
+        return SHEAR_OK;
+    return sf_fail(err, SHEAR_E_FORMAT, image->cards.at,
+                   "say how large a stamp is: --stamp-size (or the keywords STAMPNX and STAMPNY), "
+                   "and --stamps where the last row is not full",
+                   "is one image of %lld x %lld pixels, without the keywords of a mosaic of stamps",
+                   (long long)image->axes[0], (long long)image->axes[1]);
+}
+
+static int lay_out(sf_stamps *s, const shear_mosaic *mosaic, shear_error *err) {
     const sf_image *image = &s->image;
-    int64_t nx = SF_ABSENT;
-    int64_t ny = SF_ABSENT;
-    TRY(sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, &nx, err));
-    TRY(sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, err));
-    const bool has_nx = nx != SF_ABSENT;
-    if (has_nx != (ny != SF_ABSENT)) {
-        return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, "give both, or neither",
-                       "it has the keyword %s without %s", has_nx ? "STAMPNX" : "STAMPNY",
-                       has_nx ? "STAMPNY" : "STAMPNX");
-    }
-    nx = has_nx ? nx : image->axes[0];
-    ny = has_nx ? ny : image->axes[1];
+    int64_t nx = mosaic->stamp_nx;
+    int64_t ny = mosaic->stamp_ny;
+    if (nx == 0)
+        TRY(read_size(image, &nx, &ny, err));
+    const bool sized = nx != SF_ABSENT;
+    if (!sized)
+        TRY(check_single(image, err));
+    nx = sized ? nx : image->axes[0];
+    ny = sized ? ny : image->axes[1];
     TRY(check_sides(s, nx, ny, err));
     s->nx = (int)nx;
     s->ny = (int)ny;
-    return image->naxis == 2 && has_nx ? lay_out_mosaic(s, nx, ny, err)
-                                       : lay_out_cube(s, nx, ny, err);
+    return image->naxis == 2 && sized ? lay_out_mosaic(s, nx, ny, mosaic->stamps, err)
+                                      : lay_out_cube(s, nx, ny, err);
 }
 
-int sf_stamps_init(sf_stamps *s, const sf_part *part, shear_error *err) {
+int sf_stamps_init(sf_stamps *s, const sf_part *part, const shear_mosaic *mosaic,
+                   shear_error *err) {
     *s = (sf_stamps){0};
     TRY(sf_part_require(part, err));
     TRY(sf_image_init(&s->image, part->file, part->hdu, part->label, err));
-    return lay_out(s, err);
+    return lay_out(s, mosaic, err);
 }
 
 void sf_stamps_deinit(sf_stamps *s) {

@@ -16,9 +16,9 @@ typedef struct sf_stamps {
     size_t capacity;
 } sf_stamps;
 
-/* Open the HDU of `part`, which must outlive *s. SHEAR_E_FORMAT. Call sf_stamps_deinit after an
- * error, too. */
-int sf_stamps_init(sf_stamps *s, const sf_part *part, shear_error *err);
+/* Open the HDU of `part`, which must outlive *s; `mosaic` overrides its keywords. SHEAR_E_FORMAT.
+ * Call sf_stamps_deinit after an error, too. */
+int sf_stamps_init(sf_stamps *s, const sf_part *part, const shear_mosaic *mosaic, shear_error *err);
 void sf_stamps_deinit(sf_stamps *s);
 
 /* Read stamps [first, first + count) into out[count][ny][nx]. */

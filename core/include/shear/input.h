@@ -97,11 +97,21 @@ const char *shear_exposure_get(const shear_exposure *e, const char *name, char *
 /** Return the name of option `i`, from 0; NULL beyond the last. */
 const char *shear_exposure_option(int i);
 
+/** The layout of mosaics of stamps without keywords; 0 = by STAMPNX, STAMPNY and NSTAMP. */
+typedef struct shear_mosaic {
+    int stamp_nx;   /**< columns of a stamp, pixels */
+    int stamp_ny;   /**< rows of a stamp, pixels; both are given, or neither */
+    int64_t stamps; /**< number of stamps; 0 = as many as there is room for */
+} shear_mosaic;
+/** Parse "48" or "48x64" as the size of a stamp. SHEAR_E_SETTING. */
+int shear_mosaic_set_size(shear_mosaic *m, const char *text, shear_error *err);
+
 /** The place of a field. Paths and names are borrowed. */
 typedef struct shear_input {
     const char *path;                      /**< of a field file; NULL: the parts are given */
     shear_input_part parts[SHEAR_N_PARTS]; /**< by enum shear_part, if path is NULL */
-    shear_exposure exposure;               /**< if the image is given */
+    shear_mosaic mosaic;     /**< of GALAXY and NOISE, if they are images without keywords */
+    shear_exposure exposure; /**< if the image is given */
 } shear_input;
 
 /** Return whether the input is an exposure: SHEAR_PART_IMAGE is given. */

@@ -138,7 +138,8 @@ typedef struct sheard_msg_exposure {
 typedef struct sheard_msg_source {
     const char *path;
     sheard_msg_image galaxy, noise, psf, catalog;
-    sheard_msg_exposure exposure; /* absent if its image has no path */
+    int64_t stamp_nx, stamp_ny, stamps; /* shear_mosaic; 0: by the keywords */
+    sheard_msg_exposure exposure;       /* absent if its image has no path */
 } sheard_msg_source;
 
 /* Set parts[] to the source's files, by enum shear_part. */
