@@ -21,7 +21,7 @@ double detector_variance(const shear_mock_exposure *e, double light) {
 /* Fill row[nx + 2] with Gaussian random numbers: those of image row y, from column -1 on. */
 static void draw_row(const shear_mock_exposure *e, int chip, int y, double *row) {
     random_sequence r;
-    random_begin(&r, e->seed, RANDOM_EXPOSURE_NOISE, (uint64_t)chip, (uint64_t)(y + 1));
+    random_begin(&r, e->seed, RANDOM_EXPOSURE_NOISE, (uint64_t)chip, (uint64_t)y + 1);
     for (int x = 0; x < e->nx + 2; x++)
         row[x] = gsl_ran_gaussian_ziggurat(&r.rng, 1.0);
 }

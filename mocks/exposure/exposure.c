@@ -216,8 +216,9 @@ static int create(exposure_writer *w, const char *path, bool overwrite, shear_er
         if (i == IMAGE || i == TRUTH)
             add_history(&cards, w->spec);
         if (snprintf(name, sizeof name, "%.*s%s.fits", length, path, endings[i]) >=
-            (int)sizeof name)
+            (int)sizeof name) {
             return shear_fail(err, SHEAR_E_IO, NULL, "the name %.60s... is too long", path);
+        }
         TRY(image_file_create(&w->files[i], i == IMAGE ? path : name, overwrite, &cards, err));
     }
     return SHEAR_OK;
@@ -249,9 +250,10 @@ static int write_chips(exposure_writer *w, const shear_mock_write_options *o, sh
     for (int chip = 0; chip < n; chip++) {
         TRY(draw_chip(w, chip, err));
         TRY(write_chip(w, chip, err));
-        if (o->progress != NULL && o->progress(o->context, chip + 1, n) != 0)
+        if (o->progress != NULL && o->progress(o->context, chip + 1, n) != 0) {
             return shear_fail(err, SHEAR_E_CANCELLED, NULL, "stopped after %d of %d chips",
                               chip + 1, n);
+        }
     }
     return write_truth(w, err);
 }

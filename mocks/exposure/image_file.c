@@ -5,6 +5,7 @@
 #include "base/io.h"
 #include "value.h"
 
+#include <assert.h>
 #include <endian.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -35,12 +36,13 @@ void image_card_int(buffer *cards, const char *key, int64_t value, const char *c
 }
 
 void image_card_real(buffer *cards, const char *key, double value, const char *comment) {
+    char digits[32];
     char text[40];
-    value_of_double(value, text);
-    if (strpbrk(text, ".eE") == NULL)
-        strcat(text, ".0");
-    for (char *at = text; *at != '\0'; at++)
-        *at = *at == 'e' ? 'E' : *at;
+    value_of_double(value, digits);
+    char *exponent = strchr(digits, 'e');
+    if (exponent != NULL)
+        *exponent = 'E';
+    snprintf(text, sizeof text, "%s%s", digits, strpbrk(digits, ".E") == NULL ? ".0" : "");
     add_value(cards, key, text, comment);
 }
 
@@ -203,6 +205,7 @@ int image_file_add_table(image_file *f, const char *name, const image_column *co
                          const buffer *rows, const buffer *cards, shear_error *err) {
     CLEANUP(buffer_deinit) buffer first = {0};
     size_t width = 0;
+    assert(n > 0);
     for (int i = 0; i < n; i++)
         width += columns[i].type == 'J' ? sizeof(int32_t) : sizeof(double);
     if (rows->failed)
