@@ -3,7 +3,7 @@
 set(SHEARD_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "Folder whose folder survey/ has real exposures")
 
 function(survey_pixels_test name)
-  shear_add_test(${name} SOURCES test_${name}.c exposure_fixture.c scarce.c LIBRARIES fits_fixtures LABELS survey TIMEOUT 120)
+  shear_add_test(${name} SOURCES test_${name}.c exposure_fixture.c scarce.c LIBRARIES fits_fixtures Threads::Threads LABELS survey TIMEOUT 120)
   target_compile_definitions(test_${name} PRIVATE SHEARD_SHARED="${SHEARD_SHARED}")
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/core)
   target_link_options(test_${name} PRIVATE -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)

@@ -463,17 +463,34 @@ static void random_boxes(void **state) {
 
 static void cache_smaller_than_chip(void **state) {
     (void)state;
-    enum { WIDE = 1900000, HIGH = 16 }; /* a band is a row, and the cache holds eleven */
+    enum { WIDE = 1900000, HIGH = 9, SIDE = 3 }; /* a band is a row, and the cache holds six */
     double *pixels = malloc(sizeof *pixels * WIDE * HIGH);
     for (int i = 0; i < WIDE * HIGH; i++)
         pixels[i] = i % 251;
     exposure_write(image(), "A", 8, WIDE, HIGH, pixels);
+    exposure_write(other(), "A", 8, WIDE, HIGH, pixels);
     free(pixels);
-    const shear_input input = exposure_input(image(), NULL, NULL, NULL);
+    const shear_input input = exposure_input(image(), other(), NULL, other());
     exposure_images *e = exposure_open(&input);
-    chip_arrays a = exposure_read(e, 0, NULL, 0);
-    check_boxes(e, &a, 40);
-    chip_arrays_free(&a);
+    chip_pixels *c = NULL;
+    shear_error err = {0};
+    unsigned seed = 3;
+    assert_int_equal(chip_pixels_open(&c, e, 0, NULL, 0, &err), SHEAR_OK);
+    for (int k = 0; k < 60; k++) {
+        double value[SIDE * SIDE];
+        uint8_t defect[SIDE * SIDE];
+        int32_t owner[SIDE * SIDE];
+        const int x = (int)uniform(&seed, 0.0, WIDE - SIDE + 0.5);
+        const int y = (int)uniform(&seed, 0.0, HIGH - SIDE + 0.5);
+        const pixel_box box = {x, y, SIDE, SIDE, value, NULL, defect, owner};
+        assert_int_equal(chip_pixels_read(c, &box, &err), SHEAR_OK);
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const int expected = ((y + i / SIDE) * WIDE + x + i % SIDE) % 251;
+            assert_true(value[i] == expected && owner[i] == expected);
+            assert_int_equal(defect[i], expected == 0 ? PIXEL_BAD : 0);
+        }
+    }
+    chip_pixels_close(c);
     exposure_images_close(e);
 }
 

@@ -3,6 +3,7 @@
 #include "exposure_fixture.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -153,6 +154,51 @@ static void chosen_hdus(void **state) {
     for (int i = 0; i < 3; i++) {
         input.parts[SHEAR_PART_WEIGHT].hdu = wrong[i].hdu;
         exposure_expect(&input, SHEAR_E_FORMAT, "image.fits", wrong[i].word, END);
+    }
+    exposure_images_close(e);
+}
+
+/* ---- threads ---- */
+
+static const exposure_images *common;
+
+/* Read a chip 20 times; its pixels are 100 + chip. */
+static void *read_chip(void *number) {
+    const int chip = *(const int *)number;
+    for (int i = 0; i < 20; i++) {
+        double value = NAN;
+        int32_t owner = -1;
+        const pixel_box box = {i % NX, i % NY, 1, 1, &value, NULL, NULL, &owner};
+        chip_pixels *c = NULL;
+        if (chip_pixels_open(&c, common, chip, NULL, 0, NULL) != SHEAR_OK ||
+            chip_pixels_read(c, &box, NULL) != SHEAR_OK || value != 100.0 + chip ||
+            owner != 1 + chip) {
+            return number;
+        }
+        chip_pixels_close(c);
+    }
+    return NULL;
+}
+
+static void chips_in_threads(void **state) {
+    (void)state;
+    static const char *const names[] = {"A", "B", "C", "D", NULL};
+    enum { THREADS = 4 };
+    pthread_t threads[THREADS];
+    int numbers[THREADS];
+    write_images(image(), names, 100.0, RICE_1);
+    write_images(other(), names, 1.0, RICE_1);
+    const shear_input input = exposure_input(image(), NULL, NULL, other());
+    exposure_images *e = exposure_open(&input);
+    common = e;
+    for (int i = 0; i < THREADS; i++) {
+        numbers[i] = i;
+        assert_int_equal(pthread_create(&threads[i], NULL, read_chip, &numbers[i]), 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        void *failed = NULL;
+        pthread_join(threads[i], &failed);
+        assert_null(failed);
     }
     exposure_images_close(e);
 }
@@ -349,8 +395,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chips_by_name),    cmocka_unit_test(chips_by_order),
         cmocka_unit_test(packers_name),     cmocka_unit_test(chosen_hdus),
-        cmocka_unit_test(mismatches),       cmocka_unit_test(lsst_layers),
-        cmocka_unit_test(inherited_header), cmocka_unit_test(shared_exposures),
+        cmocka_unit_test(mismatches),       cmocka_unit_test(chips_in_threads),
+        cmocka_unit_test(lsst_layers),      cmocka_unit_test(inherited_header),
+        cmocka_unit_test(shared_exposures),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

@@ -41,18 +41,22 @@ static int open_layer(exposure_images *e, enum chip_layer layer, const shear_inp
 
 /* ---- chips ---- */
 
-/* Headers of real exposures have some ten thousand cards in all. */
+/* With what chips inherit; real exposures have less than 10 MiB. */
 enum { MAX_HEADER_BYTES = 256 << 20 };
 
 static int read_headers(exposure_images *e, shear_error *err) {
+    const sf_file *file = e->chips[0].layers[LAYER_IMAGE].file;
     int64_t bytes = 0;
     for (int i = 0; i < e->n_chips; i++) {
-        TRY(exposure_chip_read_header(&e->chips[i], err));
-        bytes += e->chips[i].cards * SF_CARD;
+        bytes += e->chips[i].layers[LAYER_IMAGE].hdu->header_bytes + file->hdus[0].header_bytes;
         if (bytes > MAX_HEADER_BYTES) {
-            return sf_fail(err, SHEAR_E_FORMAT, (sf_place){e->files[0].source.name, NULL}, NULL,
-                           "its headers have more than %d MiB", MAX_HEADER_BYTES >> 20);
+            return sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, NULL},
+                           "choose an HDU: FILE:HDU, by number from 0 or by EXTNAME",
+                           "the headers of its images have more than %d MiB, with that of the "
+                           "primary HDU for each",
+                           MAX_HEADER_BYTES >> 20);
         }
+        TRY(exposure_chip_read_header(&e->chips[i], err));
     }
     return SHEAR_OK;
 }
