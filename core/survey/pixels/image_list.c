@@ -10,8 +10,11 @@
 #include <string.h>
 #include <strings.h>
 
-/* More pixels than a row of any image has: a band of rows must fit into the cache. */
-enum { MAX_WIDTH = 2000000 };
+/* More than any image has: a band of rows must fit into the cache, and there is a table of bands.
+ */
+enum { MAX_SIDE = 2000000 };
+/* A small file may describe more, compressed, than can be read in a day. */
+static const int64_t max_pixels = INT64_C(20000000000);
 
 /* ---- what an HDU is ---- */
 
@@ -73,11 +76,12 @@ static int find_size(const sf_cards *cards, int64_t axes[SF_AXES], shear_error *
 }
 
 static int check_size(const sf_cards *cards, const int64_t axes[SF_AXES], shear_error *err) {
-    if (axes[0] <= MAX_WIDTH && axes[1] <= INT32_MAX)
+    if (axes[0] <= MAX_SIDE && axes[1] <= MAX_SIDE && axes[0] * axes[1] <= max_pixels)
         return SHEAR_OK;
     return sf_fail(err, SHEAR_E_FORMAT, cards->at, "cut the image into smaller ones",
-                   "the image has %lld x %lld pixels, but at most %d x %d can be read",
-                   (long long)axes[0], (long long)axes[1], MAX_WIDTH, INT32_MAX);
+                   "the image has %lld x %lld pixels, but at most %d on a side and %lld in all "
+                   "can be read",
+                   (long long)axes[0], (long long)axes[1], MAX_SIDE, (long long)max_pixels);
 }
 
 /* Add the HDU if it holds a 2-D image. */
