@@ -147,7 +147,9 @@ static int take_value(conversion *c, text_column *column, char *word, shear_erro
     int64_t number = 0;
     double value = 0.0;
     uint64_t bits = 0;
-    const char before = column != NULL ? column->type : 'D';
+    char before = 'D';
+    if (column != NULL)
+        before = column->type;
     const bool whole = before != 'D' && text_to_int64(word, &number);
     const char type = type_of(before, whole, number);
     if (type == 'D' && !text_to_double(word, &value)) {
