@@ -99,6 +99,43 @@ static void test_any_tables(void **state) {
     source_catalog_close(c);
 }
 
+static double chip_of(long i) {
+    return (double)(i % 3 == 0 ? 1 : 4);
+}
+
+/* One table of several chips, told apart by a column; chips 2 and 3 have no sources. */
+static void test_chips_of_one_table(void **state) {
+    (void)state;
+    static const source_fixture_column merged[] = {{"X", "1D", NULL, seven},
+                                                   {"Y", "1D", NULL, seven},
+                                                   {"MAG", "1D", NULL, seven},
+                                                   {"EXT_NUMBER", "1I", NULL, chip_of}};
+    static const char *const contexts[] = {"MAG", "EXT_NUMBER"};
+    const char *path = fixture_path("merged.fits");
+    fitsfile *f = fixture_create(path);
+    source_fixture_table(f, "OBJECTS", merged, 4, 10);
+    fixture_close(f);
+    source_catalog *c = source_fixture_open(path, NULL);
+    assert_int_equal(source_catalog_tables(c), 4);
+    for (int i = 0; i < 4; i++) {
+        source_list s;
+        assert_string_equal(source_catalog_chip(c, i), "");
+        assert_int_equal(source_catalog_load(c, i, contexts, 2, &s, NULL), SHEAR_OK);
+        assert_int_equal(s.n, i == 0 ? 4 : i == 3 ? 6 : 0);
+        for (int64_t k = 0; k < s.n; k++) {
+            const int64_t row = s.id[k] - 1;
+            assert_true(s.x[k] == seven(row) && s.y[k] == seven(row) && s.selected[k] == 1);
+            assert_true(s.context[2 * k] == seven(row) && s.context[2 * k + 1] == i + 1);
+        }
+        source_list_deinit(&s);
+    }
+    source_catalog_close(c);
+    fixture_patch(path, "OBJECTS", "TZERO4", "-1");
+    source_fixture_expect(path, NULL, SHEAR_E_FORMAT, "row 1: EXT_NUMBER", "1000", NULL);
+    fixture_patch(path, "OBJECTS", "TZERO4", "997");
+    source_fixture_expect(path, NULL, SHEAR_E_FORMAT, "row 2: EXT_NUMBER", "1000", NULL);
+}
+
 static int64_t rows_of(const char *path, const char *extname, int64_t hdu) {
     source_catalog *c = NULL;
     shear_error err = {0};
@@ -423,13 +460,13 @@ static void test_real_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_table),     cmocka_unit_test(test_ldac),
-        cmocka_unit_test(test_any_tables),    cmocka_unit_test(test_chosen_hdu),
-        cmocka_unit_test(test_usual_columns), cmocka_unit_test(test_chosen_columns),
-        cmocka_unit_test(test_contexts),      cmocka_unit_test(test_ellipses),
-        cmocka_unit_test(test_text),          cmocka_unit_test(test_text_integers),
-        cmocka_unit_test(test_packed),        cmocka_unit_test(test_real_twins),
-        cmocka_unit_test(test_real_files),
+        cmocka_unit_test(test_one_table),          cmocka_unit_test(test_ldac),
+        cmocka_unit_test(test_any_tables),         cmocka_unit_test(test_chosen_hdu),
+        cmocka_unit_test(test_chips_of_one_table), cmocka_unit_test(test_usual_columns),
+        cmocka_unit_test(test_chosen_columns),     cmocka_unit_test(test_contexts),
+        cmocka_unit_test(test_ellipses),           cmocka_unit_test(test_text),
+        cmocka_unit_test(test_text_integers),      cmocka_unit_test(test_packed),
+        cmocka_unit_test(test_real_twins),         cmocka_unit_test(test_real_files),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

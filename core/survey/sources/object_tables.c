@@ -178,6 +178,67 @@ static int find_all(object_tables *o, const sf_file *file, const source_names *n
     return o->n > 0 ? SHEAR_OK : add_alike(o, file, names, err);
 }
 
+/* ---- chips of one table ---- */
+
+static const sf_column *extension_column(const sf_table *t) {
+    const sf_column *c = source_columns_number(t, "EXT_NUMBER");
+    return c != NULL ? c : source_columns_number(t, "FIELD_POS");
+}
+
+int open_table_extensions(const open_table *t, int64_t *out, shear_error *err) {
+    return sf_table_integers(&t->table, extension_column(&t->table), 0, t->cards.hdu->axes[1], 0,
+                             out, err);
+}
+
+/* Find the largest number; 0 = no chips are told apart, or there is only one. */
+static int last_extension(const open_table *t, int64_t *last, shear_error *err) {
+    const int64_t n = t->cards.hdu->axes[1];
+    bool several = false;
+    *last = 0;
+    if (extension_column(&t->table) == NULL || n == 0)
+        return SHEAR_OK;
+    CLEANUP(release_free) int64_t *extension = malloc((size_t)n * sizeof *extension);
+    if (extension == NULL)
+        return sf_fail_memory(err, t->cards.at);
+    TRY(open_table_extensions(t, extension, err));
+    for (int64_t i = 0; i < n; i++) {
+        if (extension[i] < 1 || extension[i] > OBJECT_TABLE_CHIPS) {
+            return sf_fail(err, SHEAR_E_FORMAT, t->cards.at, "leave the column out",
+                           "row %lld: %s is not a number of a chip, from 1 to %d", (long long)i + 1,
+                           extension_column(&t->table)->name, OBJECT_TABLE_CHIPS);
+        }
+        several = several || extension[i] != extension[0];
+        *last = extension[i] > *last ? extension[i] : *last;
+    }
+    *last = several ? *last : 0;
+    return SHEAR_OK;
+}
+
+/* Make a table of several chips one for each of them. */
+static int split(object_tables *o, const open_table *t, shear_error *err) {
+    int64_t last = 0;
+    TRY(last_extension(t, &last, err));
+    if (last < 2)
+        return SHEAR_OK;
+    object_table *each = calloc((size_t)last, sizeof *each);
+    if (each == NULL)
+        return sf_fail_memory(err, t->cards.at);
+    for (int64_t i = 0; i < last; i++) {
+        name_table(&each[i], o->tables[0].hdu);
+        each[i].extension = i + 1;
+    }
+    object_tables_deinit(o);
+    *o = (object_tables){each, (int)last};
+    return SHEAR_OK;
+}
+
+static int check_table(object_tables *o, int i, const sf_file *file, const source_names *names,
+                       shear_error *err) {
+    CLEANUP(open_table_deinit) open_table t = {0};
+    TRY(open_table_init(&t, file, &o->tables[i], names, err));
+    return o->n == 1 ? split(o, &t, err) : SHEAR_OK;
+}
+
 int object_tables_init(object_tables *o, const sf_file *file, const shear_input_part *part,
                        const source_names *names, shear_error *err) {
     *o = (object_tables){.tables = calloc((size_t)file->count + 1, sizeof *o->tables)};
@@ -185,10 +246,9 @@ int object_tables_init(object_tables *o, const sf_file *file, const shear_input_
         return sf_fail_memory(err, (sf_place){file->source.name, NULL});
     TRY(part->extname != NULL || part->hdu >= 0 ? find_chosen(o, file, part, err)
                                                 : find_all(o, file, names, err));
-    for (int i = 0; i < o->n; i++) {
-        CLEANUP(open_table_deinit) open_table t = {0};
-        TRY(open_table_init(&t, file, &o->tables[i], names, err));
-    }
+    const int n = o->n;
+    for (int i = 0; i < n; i++)
+        TRY(check_table(o, i, file, names, err));
     return SHEAR_OK;
 }
 

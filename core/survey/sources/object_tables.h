@@ -4,17 +4,25 @@
  *
  * FITS_LDAC has a pair of tables per chip: LDAC_IMHEAD (or FIELDS), one row with the image's
  * header, then LDAC_OBJECTS (OBJECTS). FITS_1.0 has OBJECTS only. Of other files all tables are
- * taken that have positions, and the same columns as the first of them. */
+ * taken that have positions, and the same columns as the first of them.
+ *
+ * SExtractor writes the chips of an exposure into one table in ASCII_HEAD, and programs that merge
+ * FITS_LDAC tables do so, too. A column EXT_NUMBER or FIELD_POS tells them apart: such a table
+ * counts as one for each of its numbers 1, 2, ... */
 #pragma once
 
 #include "survey/sources/source_columns.h"
 
 #include "shear/input.h"
 
-enum { OBJECT_TABLE_ROWS = 4000000 }; /* at most */
+enum {
+    OBJECT_TABLE_ROWS = 4000000, /* at most */
+    OBJECT_TABLE_CHIPS = 1000    /* in one table, at most */
+};
 
 typedef struct object_table {
     const sf_hdu *hdu;
+    int64_t extension;        /* number of the chip whose rows are meant; 0 = all rows */
     char label[SF_NAME + 16]; /* for messages */
     char chip[SF_NAME];       /* EXTNAME of its image, or "" */
     char *header;             /* [cards][80] of its image; NULL if there is none */
@@ -43,3 +51,5 @@ typedef struct open_table {
 int open_table_init(open_table *t, const sf_file *file, const object_table *object,
                     const source_names *names, shear_error *err);
 void open_table_deinit(open_table *t);
+/* Read the number of each row's chip: [rows]. Call it only if object->extension is not 0. */
+int open_table_extensions(const open_table *t, int64_t *out, shear_error *err);

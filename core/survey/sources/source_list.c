@@ -183,6 +183,39 @@ static int select_rows(source_list *s, const source_columns *c, const char *expr
     return SHEAR_OK;
 }
 
+/* Keep the rows whose extension is the wanted one. */
+static void keep_rows(source_list *s, const int64_t *extension, int64_t wanted) {
+    double *const columns[] = {s->x,      s->y, s->ra, s->dec,  s->r_gal,
+                               s->weight, s->a, s->b,  s->theta};
+    const int per_row = s->n_contexts;
+    int64_t n = 0;
+    for (int64_t i = 0; i < s->n; i++) {
+        if (extension[i] != wanted)
+            continue;
+        for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
+            if (columns[k] != NULL)
+                columns[k][n] = columns[k][i];
+        }
+        for (int k = 0; k < per_row; k++)
+            s->context[n * per_row + k] = s->context[i * per_row + k];
+        s->id[n] = s->id[i];
+        s->selected[n] = s->selected[i];
+        n++;
+    }
+    s->n = n;
+}
+
+static int choose_chip(source_list *s, const open_table *t, int64_t wanted, shear_error *err) {
+    if (wanted == 0)
+        return SHEAR_OK;
+    CLEANUP(release_free) int64_t *extension = calloc((size_t)s->n + 1, sizeof *extension);
+    if (extension == NULL)
+        return sf_fail_memory(err, t->cards.at);
+    TRY(open_table_extensions(t, extension, err));
+    keep_rows(s, extension, wanted);
+    return SHEAR_OK;
+}
+
 int source_catalog_load(source_catalog *c, int i, const char *const *contexts, int n_contexts,
                         source_list *out, shear_error *err) {
     CLEANUP(open_table_deinit) open_table t = {0};
@@ -194,7 +227,8 @@ int source_catalog_load(source_catalog *c, int i, const char *const *contexts, i
     TRY(read_positions(out, &t.columns, c->origin, err));
     TRY(read_ids(out, &t.columns, err));
     TRY(read_sizes(out, &t.columns, err));
-    return read_contexts(out, &t.columns, contexts, err);
+    TRY(read_contexts(out, &t.columns, contexts, err));
+    return choose_chip(out, &t, c->objects.tables[i].extension, err);
 }
 
 void source_list_deinit(source_list *s) {
