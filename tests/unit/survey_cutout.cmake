@@ -10,3 +10,4 @@ function(cutout_test name)
 endfunction()
 
 cutout_test(cutter)
+cutout_test(cutter_shear core_fixtures)

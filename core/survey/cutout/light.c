@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 /* Half of a mock galaxy's light is within 0.5 to 0.7 R_G, and all of it within R_G + 2.6 R_PSF. */
 static const double psf_radii = 2.6;
@@ -52,84 +53,114 @@ static double extent(const light *l, const place *g) {
     return most;
 }
 
-/* Mark the pixels of others in a row; return how many are within `reach` of column x. */
-SHEAR_SIMD static int mark_others(uint8_t *restrict marks, const int32_t *restrict owner, int n,
-                                  int32_t own, double x, double reach) {
-    int near = 0;
-#pragma omp simd reduction(+ : near)
-    for (int i = 0; i < n; i++) {
-        const int other = owner[i] != 0 && owner[i] != own;
-        marks[i] = (uint8_t)other;
-        near += other && fabs(i - x) <= reach;
-    }
-    return near;
+/* Columns first .. end-1. */
+typedef struct columns {
+    int first, end;
+} columns;
+
+/* Return the columns 0 .. n-1 within r of column x, at a distance dy from it. */
+static columns chord(double x, double dy, double r, int n) {
+    if (fabs(dy) > r)
+        return (columns){0, 0};
+    const double half = sqrt((r - dy) * (r + dy));
+    const double first = fmax(ceil(x - half), 0.0);
+    const double last = fmin(floor(x + half), n - 1.0);
+    return first <= last ? (columns){(int)first, (int)last + 1} : (columns){0, 0};
 }
 
-/* Return half the length of a row's part within r of the galaxy, whose distance is dy; negative:
- * there is none. */
-static double half_chord(double r, double dy) {
-    return fabs(dy) <= r ? sqrt((r - dy) * (r + dy)) : -1.0;
+SHEAR_SIMD static void mark_others(uint8_t *restrict marks, const int32_t *restrict owner, int n,
+                                   int32_t own) {
+#pragma omp simd
+    for (int i = 0; i < n; i++)
+        marks[i] = (uint8_t)((owner[i] != 0) & (owner[i] != own));
 }
 
-static bool find_others(light *l, const place *g) {
+SHEAR_SIMD static void mark_own(uint8_t *restrict marks, const int32_t *restrict owner, int n,
+                                int32_t own) {
+#pragma omp simd
+    for (int i = 0; i < n; i++)
+        marks[i] = (uint8_t)((owner[i] != 0) & (owner[i] == own));
+}
+
+static bool any(const uint8_t *marks, columns c) {
+    return memchr(marks + c.first, 1, (size_t)(c.end - c.first)) != NULL;
+}
+
+/* Mark the pixels of others. Return the rows that have some, and whether some are near. */
+static columns find_others(light *l, const place *g, bool *near) {
     const int n = wide(l);
-    int near = 0;
+    columns rows = {n, 0};
+    *near = false;
     for (int y = 0; y < n; y++) {
         uint8_t *marks = l->marks + (size_t)y * marks_stride(l) + (GROWTH_MOST - LIGHT_GROW);
-        near += mark_others(marks, l->owner + (ptrdiff_t)y * n, n, g->owner, g->x,
-                            half_chord(g->r_near, y - g->y));
+        mark_others(marks, l->owner + (ptrdiff_t)y * n, n, g->owner);
+        if (any(marks, (columns){0, n})) {
+            *near = *near || any(marks, chord(g->x, y - g->y, g->r_near, n));
+            rows.first = y < rows.first ? y : rows.first;
+            rows.end = y + 1;
+        }
     }
-    return near > 0;
+    return rows;
 }
 
-static void grow_others(light *l) {
+/* Begin the mask with what others have, grown; only these rows have any. */
+static void grow_others(light *l, columns rows) {
     for (int y = 0; y < l->side; y++) {
+        uint8_t *mask = l->mask + (ptrdiff_t)y * l->side;
+        if (y + 2 * LIGHT_GROW < rows.first || y >= rows.end) {
+            memset(mask, 0, (size_t)l->side);
+            continue;
+        }
         growth_begin(&l->grown);
         for (int dy = -LIGHT_GROW; dy <= LIGHT_GROW; dy++) {
             growth_add(&l->grown, l->marks + (size_t)(y + dy + LIGHT_GROW) * marks_stride(l),
                        dy < 0 ? -dy : dy, LIGHT_GROW);
         }
-        growth_finish(&l->grown, l->mask + (ptrdiff_t)y * l->side);
+        growth_finish(&l->grown, mask);
     }
 }
 
-/* One row of the box. */
-typedef struct row {
-    const int32_t *owner;
-    const uint8_t *defect;
-    uint8_t *mask, *away, *own;
-} row;
-
-/* Finish the masks of a row; count what is found in its light in columns first .. end-1. */
-SHEAR_SIMD static void find_light(row r, int n, const place *g, double half, int first, int end,
-                                  int found[3]) {
+/* Return what n pixels of light have: bit 0 defects, bit 1 saturated pixels, bit 2 others. */
+SHEAR_SIMD static unsigned look_at(const uint8_t *restrict own, const uint8_t *restrict defect,
+                                   const uint8_t *restrict other, int n) {
+    uint8_t found = 0;
+#pragma omp simd reduction(| : found)
     for (int x = 0; x < n; x++) {
-        const int own = g->owner != 0 && r.owner[x] == g->owner;
-        const int lit = own || fabs(x + LIGHT_GROW - g->x) <= half;
-        const int inside = lit && x >= first && x < end;
-        const int defect = r.defect[x];
-        found[0] += inside && defect != 0 && (defect & PIXEL_SATURATED) == 0;
-        found[1] += inside && (defect & PIXEL_SATURATED) != 0;
-        found[2] += inside && r.mask[x] != 0;
-        r.mask[x] |= defect != 0;
-        r.away[x] = (uint8_t)(r.mask[x] | own);
-        r.own[x] = (uint8_t)lit;
+        const uint8_t saturated = (defect[x] & PIXEL_SATURATED) != 0;
+        const uint8_t hole = (defect[x] != 0) & (saturated ^ 1);
+        found |= (uint8_t)(own[x] * (hole + 2 * saturated + 4 * other[x]));
     }
+    return found;
 }
 
+SHEAR_SIMD static void add_marks(uint8_t *restrict to, const uint8_t *restrict from, int n) {
+#pragma omp simd
+    for (int x = 0; x < n; x++)
+        to[x] |= from[x] != 0;
+}
+
+/* Finish the masks. Return the flags of what is found in its light, in the stamp. */
 static uint32_t find_all(light *l, const place *g) {
     const int n = l->side;
-    int found[3] = {0};
+    const int stamp = n - 2 * l->frame;
+    unsigned found = 0;
     for (int y = 0; y < n; y++) {
         const ptrdiff_t at = (ptrdiff_t)y * n;
-        const row r = {l->owner + (ptrdiff_t)(y + LIGHT_GROW) * wide(l) + LIGHT_GROW,
-                       l->defect + at, l->mask + at, l->away + at, l->own + at};
-        const bool in_stamp = y >= l->frame && y < n - l->frame;
-        find_light(r, n, g, half_chord(g->r, y + LIGHT_GROW - g->y), l->frame,
-                   in_stamp ? n - l->frame : 0, found);
+        const columns reach = chord(g->x - LIGHT_GROW, y + LIGHT_GROW - g->y, g->r, n);
+        const ptrdiff_t wider = (ptrdiff_t)(y + LIGHT_GROW) * wide(l) + LIGHT_GROW;
+        mark_own(l->away + at, l->owner + wider, n, g->owner);
+        memcpy(l->own + at, l->away + at, (size_t)n);
+        memset(l->own + at + reach.first, 1, (size_t)(reach.end - reach.first));
+        if (y >= l->frame && y < n - l->frame) {
+            const ptrdiff_t in = at + l->frame;
+            found |= look_at(l->own + in, l->defect + in, l->mask + in, stamp);
+        }
+        add_marks(l->mask + at, l->defect + at, n);
+        add_marks(l->away + at, l->mask + at, n);
     }
-    return (found[0] > 0 ? SHEAR_FLAG_HOLE : 0U) | (found[1] > 0 ? SHEAR_FLAG_SATURATED : 0U) |
-           (found[2] > 0 ? SHEAR_FLAG_NEIGHBOUR : 0U);
+    return ((found & 1U) != 0 ? SHEAR_FLAG_HOLE : 0U) |
+           ((found & 2U) != 0 ? SHEAR_FLAG_SATURATED : 0U) |
+           ((found & 4U) != 0 ? SHEAR_FLAG_NEIGHBOUR : 0U);
 }
 
 uint32_t light_find(light *l, double x, double y, double r_gal, int32_t owner) {
@@ -140,7 +171,8 @@ uint32_t light_find(light *l, double x, double y, double r_gal, int32_t owner) {
     g.r = psf_radii * l->r_psf_px;
     g.r = r_gal > 0.0 ? g.r + r_gal : fmax(g.r, extent(l, &g));
     g.r_near = g.r + fmax(LIGHT_GROW, psf_radii_beyond * l->r_psf_px);
-    const bool near = find_others(l, &g);
-    grow_others(l);
+    bool near;
+    const columns rows = find_others(l, &g, &near);
+    grow_others(l, rows);
     return find_all(l, &g) | (near ? SHEAR_FLAG_NEIGHBOUR : 0U);
 }

@@ -9,11 +9,10 @@
 #include <string.h>
 
 enum {
-    STEP_X = 4, /* every other row has a sample every 4 px: 512 of a mesh's pixels */
-    STEP_Y = 2,
-    MOST_SAMPLES = 2 * MESH_SIDE / STEP_X * (MESH_SIDE / STEP_Y) + MESH_SIDE,
-    LEAST_SAMPLES = 64,
-    ORDERED = 64, /* samples that make the first guess */
+    STEP = BOX_CELL, /* 256 of a mesh's pixels are looked at */
+    MOST_SAMPLES = (2 * MESH_SIDE / STEP + 1) * (MESH_SIDE / STEP),
+    LEAST_SAMPLES = 48,
+    ORDERED = 32, /* samples that make the first guess */
     PASSES = 4
 };
 static const double clip = 3.0;
@@ -83,8 +82,8 @@ static int take_samples(noise_mesh *m, int column, const mesh_pixels *p) {
     const int start = mesh_start(m, column);
     const int end = mesh_start(m, column + 1);
     int n = 0;
-    for (int y = 0; y < p->n; y += STEP_Y) {
-        for (int x = start + (y & STEP_Y); x < end; x += STEP_X)
+    for (int y = 0; y < p->n; y += STEP) {
+        for (int x = start; x < end; x += STEP)
             n = take(m, p, x, y, n);
     }
     assert(n <= MOST_SAMPLES);
