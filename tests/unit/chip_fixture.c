@@ -33,7 +33,7 @@ chip_pixels *chip_new(int nx, int ny, double sigma, uint64_t seed) {
                        .reads = -1};
     assert_true(c->value != NULL && c->sigma != NULL && c->defect != NULL && c->owner != NULL);
     for (size_t i = 0; i < n; i++) {
-        c->value[i] = sigma * chip_normal(&seed);
+        c->value[i] = sigma == 0.0 ? 0.0 : sigma * chip_normal(&seed);
         c->sigma[i] = NAN;
     }
     return c;
@@ -48,8 +48,8 @@ void chip_free(chip_pixels *c) {
 }
 
 void chip_own(chip_pixels *c, double x, double y, double r, int32_t owner) {
-    for (int j = 0; j < c->ny; j++) {
-        for (int i = 0; i < c->nx; i++) {
+    for (int j = (int)fmax(y - r, 0.0); j <= y + r && j < c->ny; j++) {
+        for (int i = (int)fmax(x - r, 0.0); i <= x + r && i < c->nx; i++) {
             if (hypot(i - x, j - y) <= r)
                 c->owner[(size_t)j * (size_t)c->nx + (size_t)i] = owner;
         }

@@ -10,4 +10,6 @@ function(cutout_test name)
 endfunction()
 
 cutout_test(cutter)
+target_link_options(test_cutter PRIVATE -Wl,--wrap=aligned_alloc)
 cutout_test(cutter_shear core_fixtures)
+cutout_test(cutter_noise core_fixtures)

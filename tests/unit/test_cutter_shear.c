@@ -141,6 +141,7 @@ typedef struct stamps {
     double *galaxy, *noise; /* [N][PIXELS] */
     int32_t flags[N];
     double filled;
+    shear_row rows[N];
 } stamps;
 
 static void cut_all(stamps *s, const scene *drawn, const chip_pixels *noise, bool damaged,
@@ -175,8 +176,7 @@ static void stamps_deinit(stamps *s) {
     free(s->noise);
 }
 
-/* Measure the stamps of a group that are good in `mask`. */
-static shear_result measure(const stamps *s, const int32_t *mask) {
+static void measure(stamps *s) {
     double psf[PSF_SIDE * PSF_SIDE];
     for (int i = 0; i < PSF_SIDE * PSF_SIDE; i++) {
         const double x = i % PSF_SIDE - PSF_SIDE / 2;
@@ -192,87 +192,93 @@ static shear_result measure(const stamps *s, const int32_t *mask) {
                                  .galaxy = {.pixels = s->galaxy},
                                  .noise = {.pixels = s->noise},
                                  .psf = {.pixels = psf},
-                                 .mask = mask};
+                                 .mask = s->flags};
+    const shear_arrays_options options = {.rows = s->rows};
     shear_settings settings;
     shear_result result;
     shear_error err;
     shear_settings_init(&settings);
     assert_int_equal(shear_settings_set(&settings, "filter", "none", &err), SHEAR_OK);
     assert_int_equal(shear_settings_set(&settings, "artefacts", "keep", &err), SHEAR_OK);
-    if (shear_measure_arrays(&result, &arrays, &settings, NULL, &err) != SHEAR_OK)
+    if (shear_measure_arrays(&result, &arrays, &settings, &options, &err) != SHEAR_OK)
         fail_msg("%s", err.message);
-    return result;
 }
 
-/* m of both components, from the same galaxies at +g and -g. */
-static void m_of(const stamps both[2], const int32_t *mask, double m[2]) {
-    const shear_result a = measure(&both[0], mask);
-    const shear_result b = measure(&both[1], mask);
-    m[0] = (a.g1 - b.g1) / (2.0 * G[0]) - 1.0;
-    m[1] = (a.g2 - b.g2) / (2.0 * G[1]) - 1.0;
+/* Clean chips at +g and -g, and masked ones. */
+enum { CHIPS = 4 };
+
+/* Return whether a galaxy and its turned copy are good in all chips. */
+static bool is_good(const stamps chips[CHIPS], int i) {
+    uint32_t flags = 0;
+    for (int k = 0; k < CHIPS; k++)
+        flags |= chips[k].rows[i].flags | chips[k].rows[i ^ 1].flags;
+    return flags == 0;
 }
 
-/* Both of a pair of galaxies must be good in all four chips, and in this group; -1: any group. */
-static int choose(int32_t *mask, const stamps clean[2], const stamps masked[2], int group) {
+/* Set m of both components, from the same galaxies at +g and -g, of a group (-1: all). Return the
+ * number of galaxies. */
+static int m_of(const stamps chips[CHIPS], int first, int group, double m[2]) {
+    double g[2][2];
     int n = 0;
-    for (int i = 0; i < N; i++) {
-        int32_t bad = group >= 0 && i / 2 % GROUPS != group;
-        for (int k = 0; k < 2; k++) {
-            bad |= clean[k].flags[i] | clean[k].flags[i ^ 1];
-            bad |= masked[k].flags[i] | masked[k].flags[i ^ 1];
+    for (int k = 0; k < 2; k++) {
+        double sum[3] = {0.0};
+        n = 0;
+        for (int i = 0; i < N; i++) {
+            if ((group >= 0 && i / 2 % GROUPS != group) || !is_good(chips, i))
+                continue;
+            sum[0] += chips[first + k].rows[i].n1;
+            sum[1] += chips[first + k].rows[i].n2;
+            sum[2] += chips[first + k].rows[i].d;
+            n++;
         }
-        mask[i] = bad;
-        n += bad == 0;
+        g[k][0] = sum[0] / sum[2];
+        g[k][1] = sum[1] / sum[2];
     }
+    for (int k = 0; k < 2; k++)
+        m[k] = (g[0][k] - g[1][k]) / (2.0 * G[k]) - 1.0;
     return n;
 }
 
-/* The difference of m that masks make, and its error from groups of galaxies. */
-static void check(bool crowded, bool damaged, bool correlated) {
-    static scene alone;
-    static scene others;
-    static int32_t mask[N];
-    scene_init(&alone, false, 42);
-    scene_init(&others, crowded, 42);
-    chip_pixels *noise = noise_new(correlated);
-    stamps clean[2];
-    stamps masked[2];
-    for (int k = 0; k < 2; k++) {
-        const double sign = k == 0 ? 1.0 : -1.0;
-        cut_all(&clean[k], &alone, noise, false, sign * G[0], sign * G[1]);
-        cut_all(&masked[k], &others, noise, damaged, sign * G[0], sign * G[1]);
-    }
-    double sum[2] = {0.0};
+/* Compare the difference of m that masks make with its error, from groups of galaxies. */
+static void compare(const stamps chips[CHIPS]) {
     double sum2[2] = {0.0};
     double m[2];
     double reference[2];
+    const int n = m_of(chips, 2, -1, m);
+    m_of(chips, 0, -1, reference);
+    const double all[2] = {m[0] - reference[0], m[1] - reference[1]};
     for (int group = 0; group < GROUPS; group++) {
-        assert_true(choose(mask, clean, masked, group) > 4);
-        m_of(masked, mask, m);
-        m_of(clean, mask, reference);
-        for (int k = 0; k < 2; k++) {
-            const double d = m[k] - reference[k];
-            sum[k] += d / GROUPS;
-            sum2[k] += d * d / GROUPS;
-        }
+        assert_true(m_of(chips, 2, group, m) > 4);
+        m_of(chips, 0, group, reference);
+        for (int k = 0; k < 2; k++)
+            sum2[k] += pow(m[k] - reference[k] - all[k], 2);
     }
-    const int n = choose(mask, clean, masked, -1);
-    m_of(masked, mask, m);
-    m_of(clean, mask, reference);
     for (int k = 0; k < 2; k++) {
-        const double error = sqrt((sum2[k] - sum[k] * sum[k]) / (GROUPS - 1));
-        const double d = m[k] - reference[k];
-        print_message("%d%d%d m%d %+.4f, without masks %+.4f, difference %+.5f (%.5f); %d of %d, "
-                      "%.3f filled\n",
-                      crowded, damaged, correlated, k + 1, m[k], reference[k], d, error, n, N,
-                      masked[0].filled);
-        assert_true(fabs(d) < 3.0 * error + 0.001);
+        const double error = sqrt(sum2[k] / (GROUPS * (GROUPS - 1)));
+        print_message("m%d %+.5f (%.5f) by masks; %d of %d, %.3f filled\n", k + 1, all[k], error, n,
+                      N, chips[2].filled);
+        assert_true(fabs(all[k]) < 3.0 * error + 0.001);
         assert_true(error < 0.01);
     }
-    for (int k = 0; k < 2; k++) {
-        stamps_deinit(&clean[k]);
-        stamps_deinit(&masked[k]);
+}
+
+static void check(bool crowded, bool damaged, bool correlated) {
+    static scene alone;
+    static scene others;
+    static stamps chips[CHIPS];
+    scene_init(&alone, false, 42);
+    scene_init(&others, crowded, 42);
+    chip_pixels *noise = noise_new(correlated);
+    for (int k = 0; k < CHIPS; k++) {
+        const double sign = k % 2 == 0 ? 1.0 : -1.0;
+        const bool masked = k >= 2;
+        cut_all(&chips[k], masked ? &others : &alone, noise, masked && damaged, sign * G[0],
+                sign * G[1]);
+        measure(&chips[k]);
     }
+    compare(chips);
+    for (int k = 0; k < CHIPS; k++)
+        stamps_deinit(&chips[k]);
     chip_free(noise);
 }
 
