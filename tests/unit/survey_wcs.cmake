@@ -11,6 +11,7 @@ endfunction()
 
 survey_wcs_test(sky_map Threads::Threads)
 survey_wcs_test(sky_keywords)
+survey_wcs_test(sky_surface)
 survey_wcs_test(sky_distortion)
 survey_wcs_test(sky_hostile)
 survey_wcs_test(sky_truth PkgConfig::JANSSON)

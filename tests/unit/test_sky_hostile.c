@@ -84,13 +84,17 @@ static void use(sky_map *map) {
 
 static void changed_headers(void **state) {
     (void)state;
-    sky_header good[3] = {sky_header_make("TAN"), sky_header_make("TPV"),
-                          sky_header_make("TAN-SIP")};
+    sky_header good[4] = {sky_header_make("TAN"), sky_header_make("TPV"),
+                          sky_header_make("TAN-SIP"), sky_header_make("TNX")};
     sky_header_add_tpv(&good[1]);
     sky_header_add_sip(&good[2]);
+    sky_header_set(&good[3],
+                   "WAT1_001= 'wtype=tnx lngcor = \"3. 2. 2. 1. -1 1 -1 1 1e-3 1e-4 2e-4 1e-3\"'");
+    sky_header_set(&good[3],
+                   "WAT2_001= 'wtype=tnx latcor = \"1. 3. 2. 2. -1 1 -1 1 1e-3 0 2e-4 1e-3 0\"'");
     int maps = 0, refused = 0;
     for (int round = 0; round < ROUNDS; round++) {
-        sky_header h = good[round % 3];
+        sky_header h = good[round % 4];
         for (uint64_t n = 1 + draw() % 4; n > 0; n--)
             change(&h);
         shear_error err = {0};

@@ -134,7 +134,7 @@ static int read_type(sky_keywords *k, const char *card, const char *where, shear
     if ((axis != 1 && axis != 2) || !sf_card_string(card, text, sizeof text) || text[0] == '\0')
         return SHEAR_OK;
     sf_make_printable(text);
-    char *ctype = k->ctype[axis - 1];
+    char *ctype = k->type.text[axis - 1];
     if (ctype[0] != '\0' && strcmp(ctype, text) != 0)
         return fail_twice(key, where, err);
     memcpy(ctype, text, sizeof text);
@@ -178,62 +178,13 @@ static int refuse_tables(const char *card, const char *where, shear_error *err) 
     int i = 0, m = 0;
     if (sf_card_index(key, "CPDIS") > 0 || sf_card_index(key, "CQDIS") > 0 ||
         sf_card_index(key, "D2IMDIS") > 0) {
-        return shear_fail(
-            err, SHEAR_E_FORMAT, "fit TPV or SIP coefficients to it, or leave such keywords out",
-            "%s: keyword %s: distortions other than SIP and TPV are not read", where, key);
+        return shear_fail(err, SHEAR_E_FORMAT,
+                          "fit TPV or SIP coefficients to it, or leave such keywords out",
+                          "%s: keyword %s: such distortions are not read", where, key);
     }
     if (is_pair(key, "PV", &i, &m) && (i == 1 || i == 2) && m >= SKY_PV) {
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "%s: keyword %s: TPV coefficients end at PVi_%d", where, key, SKY_PV - 1);
-    }
-    return SHEAR_OK;
-}
-
-/* Return whether the coordinate is meant to be an angle on the sky. */
-static bool is_angle(const char *ctype) {
-    static const char *const names[] = {"RA",   "DEC",  "GLON", "GLAT", "ELON",
-                                        "ELAT", "SLON", "SLAT", "HLON", "HLAT"};
-    const size_t n = strcspn(ctype, "-");
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (strlen(names[i]) == n && strncmp(ctype, names[i], n) == 0)
-            return true;
-    }
-    return n == 4 && ctype[4] == '-' &&
-           (strncmp(ctype + 2, "LN", 2) == 0 || strncmp(ctype + 2, "LT", 2) == 0);
-}
-
-/* Return whether wcslib has the projection, without tables and with no more polynomials than are
- * read here. (It takes the name TNX without its polynomial, too, and says nothing.) */
-static bool is_projection(const char *code) {
-    static const char *const codes[] = {"TAN", "TPV", "AZP", "SZP", "STG", "SIN", "ARC", "ZPN",
-                                        "ZEA", "AIR", "CYP", "CEA", "CAR", "MER", "COP", "COE",
-                                        "COD", "COO", "SFL", "PAR", "MOL", "AIT", "BON", "PCO",
-                                        "TSC", "CSC", "QSC", "HPX", "XPH"};
-    for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
-        if (strcmp(codes[i], code) == 0)
-            return true;
-    }
-    return false;
-}
-
-/* Split CTYPEi into name, projection and "-SIP". */
-static int parse_types(sky_keywords *k, const char *where, shear_error *err) {
-    k->lng = strncmp(k->ctype[0], "DEC-", 4) == 0 ? 1 : 0;
-    const char *const ra = k->ctype[k->lng], *const dec = k->ctype[1 - k->lng];
-    if (strncmp(ra, "RA---", 5) != 0 || strncmp(dec, "DEC--", 5) != 0 ||
-        strcmp(ra + 5, dec + 5) != 0 || strlen(ra) < 8) {
-        return shear_fail(err, SHEAR_E_FORMAT,
-                          "use coordinates such as RA---TAN and DEC--TAN, or --frame pixel",
-                          "%s: CTYPE1 and CTYPE2 are '%.24s' and '%.24s', but must be RA and Dec "
-                          "of one projection",
-                          where, k->ctype[0], k->ctype[1]);
-    }
-    memcpy(k->projection, ra + 5, 3);
-    k->has_sip = strcmp(ra + 8, "-SIP") == 0;
-    if (!is_projection(k->projection) || (ra[8] != '\0' && !k->has_sip)) {
-        return shear_fail(err, SHEAR_E_FORMAT,
-                          "fit TPV or SIP coefficients to it (SCAMP does), or use --frame pixel",
-                          "%s: the projection of CTYPE '%.24s' is not read", where, ra);
     }
     return SHEAR_OK;
 }
@@ -243,7 +194,7 @@ static int parse_types(sky_keywords *k, const char *where, shear_error *err) {
 static bool has_tpv_coefficients(const sky_keywords *k) {
     bool found = false;
     for (int i = 0; i < 2; i++) {
-        for (int m = i == k->lng ? 5 : 0; m < SKY_PV; m++)
+        for (int m = i == k->type.lng ? 5 : 0; m < SKY_PV; m++)
             found = found || (!isnan(k->pv[i][m]) && k->pv[i][m] != 0.0);
     }
     return found;
@@ -264,7 +215,7 @@ static int check_reference(const sky_keywords *k, const char *where, shear_error
     TRY(need(k->crval, "CRVAL", where, err));
     TRY(need(k->crpix, "CRPIX", where, err));
     for (int i = 0; i < 2; i++) {
-        const double limit = i == k->lng ? 360.0 : 90.0;
+        const double limit = i == k->type.lng ? 360.0 : 90.0;
         if (fabs(k->crval[i]) > limit) {
             return shear_fail(err, SHEAR_E_FORMAT, "correct the keyword",
                               "%s: keyword CRVAL%d is %g, but must be from %g to %g degrees", where,
@@ -323,26 +274,49 @@ static int check_sip_axis(const sky_keywords *k, int i, const char *where, shear
     return SHEAR_OK;
 }
 
-/* Decide which distortion counts. */
+/* Read the polynomials of TNX and ZPX, which are TAN and ZPN with them. */
+static int read_surfaces(sky_keywords *k, const char *cards, int64_t count, const char *where,
+                         shear_error *err) {
+    sky_surface_text text[2] = {{""}, {""}};
+    const bool zpx = strcmp(k->type.projection, "ZPX") == 0;
+    bool too_long = false;
+    for (int64_t n = 0; n < count && !too_long; n++)
+        sky_surface_add(text, cards + n * SF_CARD, &too_long);
+    for (int i = 0; i < 2; i++) {
+        const char *wrong = too_long                  ? "it has too many cards"
+                            : text[i].text[0] == '\0' ? "it is missing"
+                                                      : sky_surface_parse(&k->surface[i], &text[i]);
+        if (wrong != NULL) {
+            return shear_fail(err, SHEAR_E_FORMAT, "fit TPV coefficients to it (SCAMP does)",
+                              "%s: keyword WAT%d_001: %s", where, i + 1, wrong);
+        }
+    }
+    fill_nan(&k->pv[0][0], sizeof k->pv / sizeof(double));
+    if (zpx) /* both axes repeat the parameters */
+        memcpy(k->pv[1 - k->type.lng], k->surface[1 - k->type.lng].projp, sizeof k->surface->projp);
+    memcpy(k->type.projection, zpx ? "ZPN" : "TAN", 4);
+    return SHEAR_OK;
+}
+
+/* Decide between PVi_m and SIP. */
 static int choose_distortion(sky_keywords *k, const char *where, shear_error *err) {
-    if (k->has_sip) {
+    if (k->type.has_sip) {
         fill_nan(&k->pv[0][0], sizeof k->pv / sizeof(double));
         TRY(check_sip_axis(k, 0, where, err));
         return check_sip_axis(k, 1, where, err);
     }
-    const bool tan = strcmp(k->projection, "TAN") == 0;
-    if (tan && has_tpv_coefficients(k)) {
-        memcpy(k->projection, "TPV", 4);
-    } else if (tan) {
-        fill_nan(k->pv[1 - k->lng], SKY_PV); /* zeros */
-        if (any_number(&k->sip[0][0][0], sizeof k->sip / sizeof(double))) {
-            return shear_fail(err, SHEAR_E_FORMAT,
-                              "let CTYPE1 and CTYPE2 end in -SIP, or leave out A_p_q and B_p_q",
-                              "%s: has SIP coefficients, but CTYPE1 is '%.24s'", where,
-                              k->ctype[0]);
-        }
+    if (strcmp(k->type.projection, "TAN") != 0)
+        return SHEAR_OK;
+    if (has_tpv_coefficients(k)) {
+        memcpy(k->type.projection, "TPV", 4);
+        return SHEAR_OK;
     }
-    return SHEAR_OK;
+    fill_nan(k->pv[1 - k->type.lng], SKY_PV); /* zeros */
+    if (!any_number(&k->sip[0][0][0], sizeof k->sip / sizeof(double)))
+        return SHEAR_OK;
+    return shear_fail(err, SHEAR_E_FORMAT,
+                      "let CTYPE1 and CTYPE2 end in -SIP, or leave out A_p_q and B_p_q",
+                      "%s: has SIP coefficients, but CTYPE1 is '%.24s'", where, k->type.text[0]);
 }
 
 int sky_keywords_read(sky_keywords *k, const char *cards, int64_t count, const char *where,
@@ -353,10 +327,10 @@ int sky_keywords_read(sky_keywords *k, const char *cards, int64_t count, const c
         if (card[0] == 'C')
             TRY(read_type(k, card, where, err));
     }
-    *celestial = is_angle(k->ctype[0]) || is_angle(k->ctype[1]);
+    *celestial = sky_ctype_is_angle(k->type.text[0]) || sky_ctype_is_angle(k->type.text[1]);
     if (!*celestial)
         return SHEAR_OK;
-    TRY(parse_types(k, where, err));
+    TRY(sky_ctype_parse(&k->type, where, err));
     for (int64_t n = 0; n < count; n++) {
         const char *const card = cards + n * SF_CARD;
         if (strchr("ABCDLP", card[0]) == NULL || card[0] == '\0')
@@ -367,5 +341,8 @@ int sky_keywords_read(sky_keywords *k, const char *cards, int64_t count, const c
     }
     TRY(check_reference(k, where, err));
     TRY(check_matrix(k, where, err));
-    return choose_distortion(k, where, err);
+    TRY(choose_distortion(k, where, err));
+    const bool wat =
+        strcmp(k->type.projection, "TNX") == 0 || strcmp(k->type.projection, "ZPX") == 0;
+    return wat ? read_surfaces(k, cards, count, where, err) : SHEAR_OK;
 }

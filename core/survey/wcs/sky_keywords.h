@@ -5,10 +5,9 @@
  * coordinates (CRVAL1A), and axes beyond the second, are not looked at. */
 #pragma once
 
-#include "fits/header/card.h"
-#include "shear/error.h"
+#include "survey/wcs/sky_ctype.h"
+#include "survey/wcs/sky_surface.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 
 enum {
@@ -18,22 +17,22 @@ enum {
 
 /* Numbers that are absent are NaN. Arrays are by axis, CTYPE1 first. */
 typedef struct sky_keywords {
-    char ctype[2][SF_CARD]; /* as in the header */
-    char projection[4];     /* TAN, ...; TPV also for TAN with PV coefficients (SCAMP) */
-    int lng;                /* axis of RA, 0 or 1 */
-    bool has_sip;           /* CTYPEi end in -SIP: sip[] counts, pv[] does not */
+    /* The projection is TPV also for TAN with PV coefficients (SCAMP); with -SIP, sip[] counts, and
+     * pv[] is absent. TNX is TAN, ZPX is ZPN, with surface[]. */
+    sky_ctype type;
     double crval[2], crpix[2], cdelt[2], crota[2];
     double cd[2][2], pc[2][2];
     double lonpole, latpole;
     double pv[2][SKY_PV];
     double sip[2][SKY_POWERS][SKY_POWERS]; /* A_p_q, B_p_q */
     double sip_order[2];
+    sky_surface surface[2]; /* kind 0 without TNX or ZPX */
 } sky_keywords;
 
 /* Read the keywords of `count` cards of 80 characters; `where` names the file and HDU in messages.
  * *celestial is false, without an error, if neither CTYPE1 nor CTYPE2 is an angle on the sky.
  * SHEAR_E_FORMAT: a keyword that is not a number, missing, repeated or in contradiction to another;
- * coordinates that are not RA and Dec; tables of distortion. */
+ * coordinates that sky_ctype_parse refuses; tables of distortion. */
 int sky_keywords_read(sky_keywords *k, const char *cards, int64_t count, const char *where,
                       bool *celestial, shear_error *err);
 

@@ -65,10 +65,10 @@ static void set_linear(struct wcsprm *w, const sky_keywords *k) {
 
 /* A polynomial is told apart from the projection: TPV is TAN then. */
 static void set_celestial(struct wcsprm *w, const sky_keywords *k) {
-    const bool tpv = strcmp(k->projection, "TPV") == 0;
+    const bool tpv = strcmp(k->type.projection, "TPV") == 0;
     for (int i = 0; i < 2; i++) {
-        snprintf(w->ctype[i], sizeof w->ctype[i], "%s%s", i == k->lng ? "RA---" : "DEC--",
-                 tpv ? "TAN" : k->projection);
+        snprintf(w->ctype[i], sizeof w->ctype[i], "%s%s", i == k->type.lng ? "RA---" : "DEC--",
+                 tpv ? "TAN" : k->type.projection);
         snprintf(w->cunit[i], sizeof w->cunit[i], "deg");
         w->crval[i] = k->crval[i];
     }
@@ -108,7 +108,7 @@ static int set_up(sky_map *map, const sky_keywords *k, const char *where, shear_
     if (status != 0) {
         return shear_fail(err, SHEAR_E_FORMAT, "correct its coordinates, or use --frame pixel",
                           "%s: wcslib refuses its coordinates (CTYPE1 '%.24s'): %s", where,
-                          k->ctype[0], wcs_errmsg[status]);
+                          k->type.text[0], wcs_errmsg[status]);
     }
     map->lng = w->lng;
     map->lat = w->lat;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* survey/wcs/sky_polynomial.h: the distortion polynomials of a map, SIP or TPV, for wcslib. */
+/* survey/wcs/sky_polynomial.h: the distortion polynomials of a map, for wcslib: SIP, TPV, TNX, ZPX.
+ */
 #pragma once
 
 #include "survey/wcs/sky_keywords.h"
