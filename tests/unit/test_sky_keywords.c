@@ -30,6 +30,7 @@ static void contradictions_are_named(void **state) {
     (void)state;
     refuse_with("TAN", "PC1_1   = 1.0", "both CDi_j and PCi_j");
     refuse_with("TAN", "CUNIT1  = 'arcsec'", "CUNIT1");
+    refuse_with("TAN", "EQUINOX = 1950.0", "EQUINOX");
     refuse_with("TAN", "CPDIS1  = 'LOOKUP'", "CPDIS1");
     refuse_with("TAN", "D2IMDIS1= 'LOOKUP'", "D2IMDIS1");
     refuse_with("TAN", "A_2_0   = 1E-7", "-SIP");
@@ -128,13 +129,12 @@ static void no_coordinates(void **state) {
 /* Alternate coordinates, third axes and equal repetitions change nothing. */
 static void what_is_left_alone(void **state) {
     (void)state;
-    const char *const more[] = {"CRVAL1A = 0.0", "CTYPE1A = 'LINEAR'",
-                                "CRPIX1A = 1.0", "LTV1    = -100.0",
-                                "NAXIS   = 3",   "CTYPE3  = 'FREQ'",
-                                "CRVAL3  = NaN", "CD3_3   = 0.0",
-                                "CD1_3   = 7.0", "PV3_1   = 'x'",
-                                "WCSAXES = 3",   "PV2_1   = 0.0",
-                                "PV2_2   = 0.0", "CRVAL1  =             1.501D+02"};
+    const char *const more[] = {
+        "CRVAL1A = 0.0",    "CTYPE1A = 'LINEAR'", "CRPIX1A = 1.0",
+        "LTV1    = -100.0", "NAXIS   = 3",        "CTYPE3  = 'FREQ'",
+        "CRVAL3  = NaN",    "CD3_3   = 0.0",      "CD1_3   = 7.0",
+        "PV3_1   = 'x'",    "EQUINOX = 2000.0",   "WCSAXES = 3",
+        "PV2_1   = 0.0",    "PV2_2   = 0.0",      "CRVAL1  =             1.501D+02"};
     sky_header h = sky_header_make("TAN"), plain = h;
     for (size_t i = 0; i < sizeof more / sizeof *more; i++)
         sky_header_set(&h, more[i]);

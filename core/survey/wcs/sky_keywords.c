@@ -72,6 +72,8 @@ static double *place_of(sky_keywords *k, const char *key) {
         return &k->sip_order[0];
     if (strcmp(key, "B_ORDER") == 0)
         return &k->sip_order[1];
+    if (strcmp(key, "EQUINOX") == 0)
+        return &k->equinox;
     if (strcmp(key, "LONPOLE") == 0)
         return &k->lonpole;
     return strcmp(key, "LATPOLE") == 0 ? &k->latpole : NULL;
@@ -110,7 +112,7 @@ static void fill_nan(double *values, size_t n) {
 }
 
 static void clear(sky_keywords *k) {
-    *k = (sky_keywords){.lonpole = NAN, .latpole = NAN};
+    *k = (sky_keywords){.lonpole = NAN, .latpole = NAN, .equinox = NAN};
     fill_nan(k->crval, 2);
     fill_nan(k->crpix, 2);
     fill_nan(k->cdelt, 2);
@@ -169,6 +171,15 @@ static int read_number(sky_keywords *k, const char *card, const char *where, she
         return fail_twice(key, where, err);
     *place = value;
     return SHEAR_OK;
+}
+
+/* Refuse what is not the sky of today's catalogs: RA and Dec of 1950, and where North was then. */
+static int check_equinox(const sky_keywords *k, const char *where, shear_error *err) {
+    return !(k->equinox < 1984.0)
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_FORMAT, "convert the coordinates to J2000 or ICRS",
+                            "%s: keyword EQUINOX is %g: coordinates of 1950 (FK4) are not read",
+                            where, k->equinox);
 }
 
 /* Refuse what changes positions and cannot be read. */
@@ -333,12 +344,13 @@ int sky_keywords_read(sky_keywords *k, const char *cards, int64_t count, const c
     TRY(sky_ctype_parse(&k->type, where, err));
     for (int64_t n = 0; n < count; n++) {
         const char *const card = cards + n * SF_CARD;
-        if (strchr("ABCDLP", card[0]) == NULL || card[0] == '\0')
+        if (strchr("ABCDELP", card[0]) == NULL || card[0] == '\0')
             continue;
         TRY(check_unit(card, where, err));
         TRY(refuse_tables(card, where, err));
         TRY(read_number(k, card, where, err));
     }
+    TRY(check_equinox(k, where, err));
     TRY(check_reference(k, where, err));
     TRY(check_matrix(k, where, err));
     TRY(choose_distortion(k, where, err));

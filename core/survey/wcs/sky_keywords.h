@@ -22,7 +22,7 @@ typedef struct sky_keywords {
     sky_ctype type;
     double crval[2], crpix[2], cdelt[2], crota[2];
     double cd[2][2], pc[2][2];
-    double lonpole, latpole;
+    double lonpole, latpole, equinox;
     double pv[2][SKY_PV];
     double sip[2][SKY_POWERS][SKY_POWERS]; /* A_p_q, B_p_q */
     double sip_order[2];
