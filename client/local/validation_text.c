@@ -20,8 +20,8 @@ static void print_psf(const shear_field_info *f, FILE *out) {
     char layout[48];
     char fine[48] = "";
     snprintf(layout, sizeof layout, "%" PRId64 ", chosen by PSF_ID", f->n_psf);
-    if (g->psf_oversample > 1)
-        snprintf(fine, sizeof fine, ", %d per galaxy pixel", g->psf_oversample);
+    if (g->psf_oversample != 1.0)
+        snprintf(fine, sizeof fine, ", %g per galaxy pixel", g->psf_oversample);
     text_line(out, "psf", "%s, %d x %d samples%s",
               f->psf_layout == SHEAR_PSF_ONE         ? "one for all stamps"
               : f->psf_layout == SHEAR_PSF_PER_STAMP ? "one per stamp"

@@ -154,7 +154,7 @@ static void draw_numbers(shear_figure *f, shear_rect cell, const stamp_reader *b
     plot_table_add(&t, "interpolation", "%s", shear_interpolation_name(p->interpolation));
     plot_table_add(&t, "fine grid", "s = %d, %d \xc3\x97 %d", p->oversample, p->fine_nx,
                    p->fine_ny);
-    plot_table_add(&t, "PSF image", "%d \xc3\x97 %d, %d per px", info->geometry.psf_nx,
+    plot_table_add(&t, "PSF image", "%d \xc3\x97 %d, %g per px", info->geometry.psf_nx,
                    info->geometry.psf_ny, info->geometry.psf_oversample);
     add_filter(&t, p);
     plot_table_add(&t, "k_{cut}", "%.3f rad/px = %.3g \xcf\x80", p->k_cut, p->k_cut / acos(-1.0));

@@ -9,6 +9,7 @@
 #include "measure/photometry.h"
 #include "measure/plateau.h"
 #include "measure/psf_basis.h"
+#include "measure/psf_direct.h"
 #include "measure/psf_transform.h"
 #include "measure/sharpness.h"
 #include "measure/surface.h"
@@ -18,18 +19,25 @@
 struct shear_plan {
     shear_settings settings;
     shear_plan_info info;
-    double r_psf;                /* R_PSF in the frame's unit */
+    double pixel_scale;          /* arcsec; 0: not known */
+    double unit;                 /* of the frame, per pixel: 1, or arcsec; and */
+    double r_psf;                /* R_PSF in it */
     surface_grid grid;           /* from stamps to the fine grid */
     fft_plan *along_x, *along_y; /* lengths fine_nx and fine_ny */
     transfer_plan transfer_plan;
     double psf_side;             /* samples per pixel of the PSFs, at least */
-    psf_transform psf_transform; /* if PSFs are images */
+    bool by_fft;                 /* PSFs are images with a whole number of samples per pixel: ... */
+    psf_transform psf_transform; /* ... so they are transformed */
+    psf_waves waves;             /* or with any other number: so */
     bool has_psf;                /* one image serves all stamps: ... */
     double *power;               /* ... its |W|^2 */
     transfer transfer;           /* ... and its transfer, in the pixel frame */
     bool has_transfer;           /* which serves all stamps */
     int n_bases;                 /* PSF models: ... */
-    psf_basis *bases;            /* [n_bases] */
+    psf_basis *bases;            /* ... [n_bases] on the modes of stamps, and ... */
+    shear_psf_model *models;     /* ... [n_bases] their samples, the plan's own; */
+    size_t model_size;           /* samples of the largest image */
+    sharpness suspicious;        /* a stamp that is as sharp as that is looked at closely */
     filter_pair filter;          /* if there is one, and it does not differ from stamp to stamp */
     high_band high;              /* the modes of the noise level */
     plateau plateau;             /* if shot_noise is PLATEAU */
@@ -38,6 +46,12 @@ struct shear_plan {
     void *memory;                /* of all tables, */
     size_t bytes;                /* so many */
 };
+
+/* Fill the tables of the models; look at the PSF of the request's typical galaxy, if it has one.
+ * SHEAR_E_BETA, SHEAR_E_PSF, SHEAR_E_NOMEM. */
+int plan_models_fill(shear_plan *plan, const shear_plan_request *request, shear_error *err);
+/* Count the bytes that plan_models_fill takes for a while. */
+void plan_models_scratch(const shear_plan *plan, const shear_plan_request *request, arena *a);
 
 /* Begin a plan without tables: what the request's settings leave open is resolved. Errors as of
  * shear_plan_new. */
@@ -53,7 +67,9 @@ struct shear_workspace {
     double *modes;           /* the pair, transformed along y: see pack.c */
     size_t lane_size;        /* size of one part of `modes` */
     filter_pair filter;      /* if it differs from stamp to stamp */
-    psf_scratch psf_scratch; /* if each stamp has its own PSF image */
+    psf_scratch psf_scratch; /* if each stamp has its own PSF image: by FFT ... */
+    psf_direct direct;       /* ... or directly */
+    double *psf_image;       /* the samples of the stamp's PSF, from its model */
     double *power;           /* |W|^2 of the stamp's own PSF */
     target target;           /* in a frame on the sky */
     transfer transfer;       /* unless the plan's serves all */
@@ -110,7 +126,7 @@ void measure_choose_filter(stamp_pair *s, uint32_t *flags);
 void pair_transfer_choose(stamp_pair *s, uint32_t *flags);
 /* Return the pair's own PSF image; NULL if there is none. */
 const double *pair_transfer_image(const stamp_pair *s);
-/* Return its PSF model, and set *terms to its coefficients; NULL if there is none. */
-const psf_basis *pair_transfer_basis(const stamp_pair *s, const double **terms);
+/* Return the number of its PSF model, and set *terms to its coefficients; -1 if there is none. */
+int pair_transfer_model(const stamp_pair *s, const double **terms);
 /* Return whether it has any PSF, the plan's or its own. */
 bool pair_transfer_has_psf(const stamp_pair *s);

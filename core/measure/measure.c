@@ -5,6 +5,7 @@
 #include "base/cleanup.h"
 #include "measure/internal.h"
 #include "measure/photometry.h"
+#include "measure/psf_model.h"
 #include "measure/row.h"
 #include "measure/saturation.h"
 #include "measure/spectra.h"
@@ -101,13 +102,29 @@ static void prepare(stamp_pair *s, uint32_t *flags) {
     *flags |= *flags == 0 ? psf_flag : 0u;
 }
 
+/* Return the sharpness of the pair's model; NULL if it has none. */
+static const sharpness *sharpness_of_model(const stamp_pair *s) {
+    const double *terms;
+    const int i = pair_transfer_model(s, &terms);
+    if (i < 0)
+        return NULL;
+    const shear_psf_model *m = &s->plan->models[i];
+    if (m->axes == SHEAR_PSF_AXES_MODES)
+        return s->plan->sharpness.ratio > 0.0 ? &s->plan->sharpness : NULL;
+    psf_model_sum(m->samples, m->terms, (size_t)m->nx * (size_t)m->ny, terms, s->ws->psf_image);
+    s->ws->sharpness = sharpness_of(s->ws->psf_image, m->nx, m->ny, 1.0 / m->step);
+    return &s->ws->sharpness;
+}
+
 /* Return the PSF's sharpness, or NULL if the pair has no PSF. For a PSF per stamp it is computed on
  * request only, because it is slow. */
 static const sharpness *choose_sharpness(const stamp_pair *s) {
     const shear_geometry *g = &s->plan->info.geometry;
     if (s->plan->has_psf)
         return &s->plan->sharpness;
-    const double *psf = s->plan->n_bases == 0 ? pair_transfer_image(s) : NULL;
+    if (s->plan->n_bases > 0)
+        return sharpness_of_model(s);
+    const double *psf = pair_transfer_image(s);
     if (psf == NULL)
         return NULL;
     if (psf != s->ws->sharpness_of) {
@@ -121,7 +138,6 @@ static const sharpness *choose_sharpness(const stamp_pair *s) {
  * noise stamps. */
 static void find_artefact(const stamp_pair *s, const double *galaxy, const double *noise,
                           const photometry *ph, shear_row *row) {
-    static const sharpness weakest = {.ratio = 1.0, .leak = 0.0};
     const artefact_pair pair = {.galaxy = galaxy,
                                 .noise = noise,
                                 .nx = s->stamps->nx,
@@ -131,7 +147,7 @@ static void find_artefact(const stamp_pair *s, const double *galaxy, const doubl
     artefact found = {.x = -1, .y = -1};
     if (s->plan->settings.artefacts == SHEAR_ARTEFACTS_KEEP)
         return;
-    if (artefact_suspected(&pair, s->plan->has_psf ? &s->plan->sharpness : &weakest)) {
+    if (artefact_suspected(&pair, &s->plan->suspicious)) {
         const sharpness *sharp = choose_sharpness(s);
         found = sharp != NULL ? artefact_find(&pair, sharp) : found;
     }
@@ -214,7 +230,7 @@ static bool begin_row(const stamp_pair *s, shear_row *row) {
     const uint32_t found = stamps->flags != NULL ? stamps->flags[s->i] : 0;
     const double weight = stamps->weight != NULL ? stamps->weight[s->i] : 1.0;
     const bool masked = stamps->mask != NULL && stamps->mask[s->i] != 0;
-    row_init(row, stamps->first + s->i, weight,
+    row_init(row, stamps->first + s->i, weight, s->plan->info.frame,
              found | flag_if(masked, SHEAR_FLAG_MASKED) |
                  flag_if(!shear_weight_is_good(weight), SHEAR_FLAG_BAD_WEIGHT));
     return found == 0;

@@ -12,47 +12,54 @@ const double *pair_transfer_image(const stamp_pair *s) {
                : stamps->psf + (size_t)index * (size_t)g->psf_nx * (size_t)g->psf_ny;
 }
 
-const psf_basis *pair_transfer_basis(const stamp_pair *s, const double **terms) {
+int pair_transfer_model(const stamp_pair *s, const double **terms) {
     const shear_plan *plan = s->plan;
     const int index = s->stamps->psf_index != NULL ? s->stamps->psf_index[s->i] : 0;
     if (index < 0 || index >= plan->n_bases)
-        return NULL;
-    const psf_basis *basis = &plan->bases[index];
-    *terms = s->stamps->psf_terms + (size_t)s->i * (size_t)basis->terms;
-    return basis;
+        return -1;
+    *terms = s->stamps->psf_terms + (size_t)s->i * (size_t)plan->models[index].terms;
+    return index;
 }
 
 bool pair_transfer_has_psf(const stamp_pair *s) {
     const double *terms;
-    return s->plan->has_psf || (s->plan->n_bases > 0 ? pair_transfer_basis(s, &terms) != NULL
+    return s->plan->has_psf || (s->plan->n_bases > 0 ? pair_transfer_model(s, &terms) >= 0
                                                      : pair_transfer_image(s) != NULL);
 }
 
-/* Return |W|^2 of an image, transformed once for stamps that have it one after another; NULL if it
- * is unusable. */
+/* Return |W|^2 of an image on all modes, transformed once for stamps that have it one after
+ * another; NULL if it is unusable. */
 static const double *power_of_image(const stamp_pair *s, const double *psf) {
     shear_workspace *ws = s->ws;
+    const shear_plan *plan = s->plan;
+    const transfer_plan *p = &plan->transfer_plan;
     if (psf != ws->power_of) {
-        const bool made = psf_transform_power(&s->plan->psf_transform, &ws->psf_scratch, psf,
-                                              ws->power, NULL) == SHEAR_OK;
-        ws->power_of = made ? psf : NULL;
+        const int code = plan->by_fft ? psf_transform_power(&plan->psf_transform, &ws->psf_scratch,
+                                                            psf, ws->power, NULL)
+                                      : psf_direct_power(&ws->direct, &p->plane, &plan->waves,
+                                                         &p->target, psf, ws->power, NULL);
+        ws->power_of = code == SHEAR_OK ? psf : NULL;
     }
     return ws->power_of != NULL ? ws->power : NULL;
 }
 
-/* Return |W|^2 of the pair's PSF; NULL if it is unusable. image: the pair's own, or NULL. */
-static const double *choose_power(const stamp_pair *s, const target *aim, const double *image) {
-    const shear_plan *plan = s->plan;
-    if (plan->has_psf)
-        return plan->power;
-    if (plan->n_bases == 0)
-        return image != NULL ? power_of_image(s, image) : NULL;
+/* Return |W|^2 of the pair's model; NULL if it is unusable. */
+static const double *power_of_model(const stamp_pair *s, const target *aim) {
     const double *terms;
-    const psf_basis *basis = pair_transfer_basis(s, &terms);
-    return basis != NULL &&
-                   psf_basis_power(basis, &plan->transfer_plan.plane, aim, terms, s->ws->power)
+    const int i = pair_transfer_model(s, &terms);
+    return i >= 0 && psf_basis_power(&s->plan->bases[i], &s->plan->transfer_plan.plane, aim, terms,
+                                     s->ws->power)
                ? s->ws->power
                : NULL;
+}
+
+/* Return |W|^2 of the pair's PSF; NULL if it is unusable. image: the pair's own, or NULL. */
+static const double *choose_power(const stamp_pair *s, const target *aim, const double *image) {
+    if (s->plan->has_psf)
+        return s->plan->power;
+    if (s->plan->n_bases > 0)
+        return power_of_model(s, aim);
+    return image != NULL ? power_of_image(s, image) : NULL;
 }
 
 /* Return the target in the pair's frame; NULL if its Jacobian is no map. */

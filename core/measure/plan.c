@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A PSF made by FFTs has negative samples of this fraction of its peak; log methods treat them as
  * 0. */
@@ -30,11 +31,11 @@ static void place_psf_transform(shear_plan *plan, arena *a) {
     const shear_settings *set = &plan->settings;
     const shear_geometry *g = &info->geometry;
     psf_transform *pt = &plan->psf_transform;
-    const int factor = info->psf_oversample / g->psf_oversample;
+    const int factor = (int)lround(info->psf_oversample / g->psf_oversample);
     *pt = (psf_transform){.plane = plan->transfer_plan.plane,
                           .psf_nx = g->psf_nx,
                           .psf_ny = g->psf_ny,
-                          .q = info->psf_oversample};
+                          .q = (int)lround(info->psf_oversample)};
     surface_grid_place(&pt->grid, g->psf_nx, g->psf_ny,
                        factor > 1 ? info->interpolation : SHEAR_INTERP_NONE, factor, set->zeros,
                        0.0, a);
@@ -42,13 +43,42 @@ static void place_psf_transform(shear_plan *plan, arena *a) {
     psf_transform_set_sizes(pt);
 }
 
-static void place_bases(shear_plan *plan, const shear_psf_model *models, arena *a) {
-    psf_basis basis;
-    plan->bases = arena_take(a, (size_t)plan->n_bases * sizeof *plan->bases);
-    for (int i = 0; i < plan->n_bases; i++) {
-        psf_basis_place(&basis, &plan->transfer_plan.plane, &models[i], a);
-        if (plan->bases != NULL)
+static void place_waves(shear_plan *plan, arena *a) {
+    const shear_geometry *g = &plan->info.geometry;
+    const mode_plane *p = &plan->transfer_plan.plane;
+    psf_waves_place(&plan->waves, p, g->psf_nx, g->psf_ny, a);
+    if (a->memory != NULL)
+        psf_waves_fill(&plan->waves, p, 1.0 / g->psf_oversample, 0);
+}
+
+/* Place the models: their tables, and copies of their samples. */
+static void place_models(shear_plan *plan, const shear_psf_model *models, arena *a) {
+    const size_t n = (size_t)plan->n_bases;
+    plan->bases = arena_take(a, n * sizeof *plan->bases);
+    plan->models = arena_take(a, n * sizeof *plan->models);
+    for (size_t i = 0; i < n; i++) {
+        psf_basis basis;
+        shear_psf_model model = models[i];
+        const size_t samples = (size_t)model.terms * (size_t)model.nx * (size_t)model.ny;
+        psf_basis_place(&basis, &plan->transfer_plan.plane, model.terms,
+                        model.axes == SHEAR_PSF_AXES_MODES ? 1 : 2, a);
+        double *copy = arena_doubles(a, samples);
+        model.samples = copy;
+        if (copy != NULL) {
+            memcpy(copy, models[i].samples, samples * sizeof *copy);
             plan->bases[i] = basis;
+            plan->models[i] = model;
+        }
+    }
+}
+
+static void place_psfs(shear_plan *plan, const shear_psf_model *models, arena *a) {
+    if (plan->n_bases > 0) {
+        place_models(plan, models, a);
+    } else if (plan->by_fft) {
+        place_psf_transform(plan, a);
+    } else {
+        place_waves(plan, a);
     }
 }
 
@@ -65,11 +95,7 @@ static void place_transfers(shear_plan *plan, const shear_psf_model *models, are
     target_place(&tp->target, &tp->plane, false, a);
     if (a->memory != NULL)
         target_fill_pixel(&tp->target, &tp->plane, info->beta_px, tp->s);
-    if (plan->n_bases > 0) {
-        place_bases(plan, models, a);
-    } else {
-        place_psf_transform(plan, a);
-    }
+    place_psfs(plan, models, a);
     if (plan->has_psf) {
         plan->power = arena_doubles(a, tp->plane.size);
         transfer_place(&plan->transfer, &tp->plane, a);
@@ -105,7 +131,7 @@ static bool make_ffts(shear_plan *plan) {
     psf_transform *pt = &plan->psf_transform;
     plan->along_x = fft_plan_new(plan->info.fine_nx);
     plan->along_y = fft_plan_new(plan->info.fine_ny);
-    if (plan->n_bases > 0)
+    if (!plan->by_fft)
         return plan->along_x != NULL && plan->along_y != NULL;
     pt->along_x = fft_plan_new(pt->period_nx);
     pt->along_y = fft_plan_new(pt->period_ny);
@@ -121,10 +147,6 @@ static bool make_tables(shear_plan *plan, const shear_psf_model *models) {
     if (plan->memory == NULL)
         return false;
     place(plan, models, &a);
-    for (int i = 0; i < plan->n_bases; i++) {
-        if (!psf_basis_fill(&plan->bases[i], &plan->transfer_plan.plane, &models[i]))
-            return false;
-    }
     return make_ffts(plan);
 }
 
@@ -132,28 +154,47 @@ static int out_of_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory while planning");
 }
 
+/* Scratch for the transform of an image. */
+typedef struct image_scratch {
+    psf_scratch by_fft;
+    psf_direct direct;
+} image_scratch;
+
+static void image_scratch_place(image_scratch *s, const shear_plan *plan, arena *a) {
+    if (plan->by_fft) {
+        psf_scratch_place(&s->by_fft, &plan->psf_transform, a);
+    } else {
+        psf_direct_place(&s->direct, &plan->transfer_plan.plane, &plan->waves, a);
+    }
+}
+
 /* Make the transfer of the field's one PSF in the pixel frame, with temporary scratch. In a frame
  * on the sky it only shows whether beta is large enough. */
 static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) {
     const shear_geometry *g = &plan->info.geometry;
     const transfer_plan *tp = &plan->transfer_plan;
-    psf_scratch scratch;
+    image_scratch scratch;
     arena a = {0};
-    psf_scratch_place(&scratch, &plan->psf_transform, &a);
+    image_scratch_place(&scratch, plan, &a);
     CLEANUP(release_free) void *memory = arena_allocate(&a);
     if (memory == NULL)
         return out_of_memory(err);
-    psf_scratch_place(&scratch, &plan->psf_transform, &a);
-    TRY(psf_transform_power(&plan->psf_transform, &scratch, psf, plan->power, err));
+    image_scratch_place(&scratch, plan, &a);
+    TRY(plan->by_fft
+            ? psf_transform_power(&plan->psf_transform, &scratch.by_fft, psf, plan->power, err)
+            : psf_direct_power(&scratch.direct, &tp->plane, &plan->waves, &tp->target, psf,
+                               plan->power, err));
     TRY(transfer_make(&plan->transfer, tp, &tp->target, plan->power, err));
     plan->info.k_cut = plan->transfer.k_cut;
     plan->flat = moments_of_flat(&tp->plane, &plan->transfer);
     plan->sharpness = sharpness_of(psf, g->psf_nx, g->psf_ny, g->psf_oversample);
+    plan->suspicious = plan->sharpness;
     return SHEAR_OK;
 }
 
 /* With a PSF per stamp, only the grid's own limit can be checked here. */
 static int check_limit(shear_plan *plan, shear_error *err) {
+    plan->suspicious = (sharpness){.ratio = 1.0, .leak = 0.0}; /* the weakest bound there is */
     const double limit = plan->transfer_plan.plane.k_limit;
     const double beta_px = plan->info.beta_px;
     const double tolerance = plan->settings.power_tolerance;
@@ -175,7 +216,9 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
     TRY(plan_resolve(plan, request, err));
     if (!make_tables(plan, request->models))
         return out_of_memory(err);
-    TRY(request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
+    TRY(plan->has_psf ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
+    if (plan->n_bases > 0)
+        TRY(plan_models_fill(plan, request, err));
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
     *out = CLEANUP_TAKE(plan);
     return SHEAR_OK;
@@ -185,12 +228,14 @@ int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, s
     shear_plan plan;
     *memory = (shear_memory){0};
     TRY(plan_resolve(&plan, request, err));
-    psf_scratch scratch;
+    image_scratch scratch;
     arena of_plan = {0};
     arena of_planning = {0};
     place(&plan, request->models, &of_plan);
     if (plan.has_psf)
-        psf_scratch_place(&scratch, &plan.psf_transform, &of_planning);
+        image_scratch_place(&scratch, &plan, &of_planning);
+    if (plan.n_bases > 0)
+        plan_models_scratch(&plan, request, &of_planning);
     *memory = (shear_memory){.plan = shear_plan_bytes(&plan),
                              .planning = (int64_t)of_planning.used,
                              .workspace = shear_workspace_bytes(&plan)};
@@ -200,7 +245,7 @@ int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, s
 int64_t shear_plan_bytes(const shear_plan *plan) {
     const psf_transform *pt = &plan->psf_transform;
     const size_t psf =
-        plan->n_bases > 0 ? 0 : fft_plan_bytes(pt->period_nx) + fft_plan_bytes(pt->period_ny);
+        plan->by_fft ? fft_plan_bytes(pt->period_nx) + fft_plan_bytes(pt->period_ny) : 0;
     return (int64_t)(sizeof *plan + plan->bytes + fft_plan_bytes(plan->info.fine_nx) +
                      fft_plan_bytes(plan->info.fine_ny) + psf);
 }

@@ -4,6 +4,7 @@
 
 #include "base/cleanup.h"
 #include "measure/internal.h"
+#include "measure/psf_model.h"
 
 #include <math.h>
 
@@ -26,9 +27,9 @@ static int check_geometry(const shear_geometry *g, bool has_images, shear_error 
     }
     if (!has_images)
         return SHEAR_OK;
-    if (g->psf_nx < 2 || g->psf_ny < 2 || g->psf_oversample < 1) {
+    if (g->psf_nx < 2 || g->psf_ny < 2 || !(g->psf_oversample >= SHEAR_MIN_PSF_OVERSAMPLE)) {
         return shear_fail(err, SHEAR_E_PSF, NULL,
-                          "a PSF of %d x %d samples, %d per pixel: too small", g->psf_nx, g->psf_ny,
+                          "a PSF of %d x %d samples, %g per pixel: too small", g->psf_nx, g->psf_ny,
                           g->psf_oversample);
     }
     return SHEAR_OK;
@@ -38,7 +39,7 @@ static int check_geometry(const shear_geometry *g, bool has_images, shear_error 
  * overflow. */
 static int check_psf_size(const shear_plan_info *info, shear_error *err) {
     const shear_geometry *g = &info->geometry;
-    const int factor = info->psf_oversample / g->psf_oversample;
+    const double factor = info->psf_oversample / g->psf_oversample;
     const double q = info->psf_oversample;
     const double samples = (double)g->psf_nx * factor * g->psf_ny * factor;
     const double modes = 0.5 * g->nx * fmin(q, info->oversample) * g->ny * q;
@@ -46,7 +47,7 @@ static int check_psf_size(const shear_plan_info *info, shear_error *err) {
         return shear_fail(
             err, SHEAR_E_PSF,
             "give a PSF of fewer samples, or with fewer samples per pixel (OVERSAMP)",
-            "a PSF of %d x %d samples, %d per pixel, is too large for stamps of %d x %d px",
+            "a PSF of %d x %d samples, %g per pixel, is too large for stamps of %d x %d px",
             g->psf_nx, g->psf_ny, g->psf_oversample, g->nx, g->ny);
     }
     return SHEAR_OK;
@@ -98,13 +99,14 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, sh
     return SHEAR_OK;
 }
 
-/* The PSF's sampling: finer than as given where the stamps are interpolated, too. A PSF that is
- * sampled finer than the pixels is used as it is, if its samples are no further apart than its
- * radius. */
+/* Resolve the PSF's sampling: finer than as given where the stamps are interpolated, too. A PSF
+ * that is sampled finer than the pixels is used as it is, if its samples are no further apart than
+ * its radius; so is one without a whole number of samples per pixel. */
 static int resolve_psf_sampling(shear_plan_info *info, shear_error *err) {
     const bool none = info->interpolation == SHEAR_INTERP_NONE;
-    const int given = info->geometry.psf_oversample;
-    const bool fine_enough = given > 1 && info->r_psf_px * given >= well_sampled_px;
+    const double given = info->geometry.psf_oversample;
+    const bool fine_enough =
+        given != floor(given) || (given > 1 && info->r_psf_px * given >= well_sampled_px);
     info->psf_oversample = given;
     while (!none && !fine_enough && info->psf_oversample < info->oversample)
         info->psf_oversample *= 2;
@@ -212,6 +214,8 @@ static int resolve_frame(shear_plan *plan, const shear_plan_request *request, sh
                           shear_frame_name(request->frame), unit);
     }
     plan->info.frame = request->frame;
+    plan->pixel_scale = request->pixel_scale;
+    plan->unit = unit;
     plan->info.beta = plan->info.beta_px * unit;
     plan->r_psf = plan->info.r_psf_px * unit;
     plan->has_transfer = plan->has_psf && pixel;
@@ -225,9 +229,9 @@ static const char *model_fault(const shear_psf_model *m, int terms, const shear_
            : m->nx < 1 || m->nx > SHEAR_MAX_PSF_SIDE || m->ny < 1 || m->ny > SHEAR_MAX_PSF_SIDE ||
                    (modes && (m->nx != g->nx || m->ny != g->ny))
                ? "size of its planes"
-           : !modes && (!(m->step > 1e-3) || !(m->step < 1e3)) ? "step"
-           : m->lanczos < 0 || m->lanczos > 16                 ? "order of the Lanczos kernel"
-                                                               : NULL;
+           : !modes && (!(m->step > 0.0) || !isfinite(m->step)) ? "step"
+           : m->lanczos < 0 || m->lanczos > 16                  ? "order of the Lanczos kernel"
+                                                                : NULL;
 }
 
 /* Check the models, and find the coarsest of their samplings. */
@@ -237,13 +241,19 @@ static int resolve_models(shear_plan *plan, const shear_plan_request *request, s
     for (int i = 0; i < request->n_models; i++) {
         const shear_psf_model *m = &request->models[i];
         const char *fault = model_fault(m, request->models[0].terms, &request->geometry);
+        const double side = psf_model_sampling(m, plan->pixel_scale);
+        const size_t size = (size_t)m->nx * (size_t)m->ny;
+        if (fault == NULL && (!(side > SHEAR_MIN_PSF_OVERSAMPLE) || !isfinite(side)))
+            fault = "step";
         if (fault != NULL)
             return shear_fail(err, SHEAR_E_PSF, NULL, "PSF model %d: impossible %s", i, fault);
-        const double unit = m->axes == SHEAR_PSF_AXES_SKY ? request->pixel_scale : 1.0;
-        const double side = m->axes == SHEAR_PSF_AXES_MODES ? 1.0 : unit / m->step;
         plan->psf_side = fmin(plan->psf_side, side);
+        plan->model_size = size > plan->model_size ? size : plan->model_size;
     }
-    return SHEAR_OK;
+    plan->info.psf_oversample = plan->psf_side;
+    return request->terms == NULL || (request->model >= 0 && request->model < request->n_models)
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_PSF, NULL, "there is no PSF model %d", request->model);
 }
 
 static int resolve_psfs(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
@@ -251,6 +261,7 @@ static int resolve_psfs(shear_plan *plan, const shear_plan_request *request, she
         return resolve_models(plan, request, err);
     TRY(resolve_psf_sampling(&plan->info, err));
     plan->psf_side = plan->info.psf_oversample;
+    plan->by_fft = plan->psf_side == floor(plan->psf_side);
     return SHEAR_OK;
 }
 

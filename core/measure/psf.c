@@ -207,7 +207,7 @@ static int cell_side(const psf_view *v, int i, int j, double level) {
     return low > level ? 1 : high < 0.25 * level ? 0 : -1;
 }
 
-int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
+int shear_psf_radius(const double *psf, int nx, int ny, double oversample, double *r_psf_px,
                      shear_error *err) {
     double largest;
     if (psf_check(psf, nx, ny, &largest, err) != SHEAR_OK)

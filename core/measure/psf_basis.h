@@ -5,11 +5,10 @@
  * their own step. With SHEAR_PSF_AXES_MODES it is |W|^2 that is such a sum. */
 #pragma once
 
-#include "base/arena.h"
+#include "measure/psf_waves.h"
 #include "measure/target.h"
-#include "shear/psf.h"
 
-/* The tables of one model; immutable. Groups of rows have their columns -reach .. reach only. */
+/* The tables of one model; immutable once filled. Groups of rows have columns -reach .. reach. */
 typedef struct psf_basis {
     int terms;
     int parts;      /* 2: real and imaginary parts of W; 1: |W|^2 */
@@ -20,12 +19,16 @@ typedef struct psf_basis {
 } psf_basis;
 
 /* Place the tables. */
-void psf_basis_place(psf_basis *b, const mode_plane *p, const shear_psf_model *m, arena *a);
-/* Fill them. Return false if out of memory. */
-bool psf_basis_fill(psf_basis *b, const mode_plane *p, const shear_psf_model *m);
+void psf_basis_place(psf_basis *b, const mode_plane *p, int terms, int parts, arena *a);
+/* Fill them from samples[terms][ny][nx]. rows: scratch, [2 FFT_LANES nx]. */
+void psf_basis_fill(psf_basis *b, const mode_plane *p, const psf_waves *w, const double *samples,
+                    double *rows);
+/* Fill them from |W|^2 on the modes of an nx x ny stamp: power[terms][ny][nx], mode 0 in the
+ * middle. */
+void psf_basis_fill_power(psf_basis *b, const mode_plane *p, const double *power);
 
 /* Compute |W|^2, W(0) = 1, of the galaxy with coefficients c[terms] into power[2 max_jx +
- * 1][stride], where |q| < aim->limit. Return false if they are not those of a PSF: not finite,
+ * 1][stride], where |q| < target->limit. Return false if they are not those of a PSF: not finite,
  * or without positive flux. */
 bool psf_basis_power(const psf_basis *b, const mode_plane *p, const target *aim, const double *c,
                      double *power);

@@ -245,7 +245,7 @@ static double sum_of(const psf_image *v, double *lowest) {
     return sum;
 }
 
-int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, int oversample,
+int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, double oversample,
                       shear_error *err) {
     static const double sigmas = 6.0; /* by which a negative sample exceeds the noise */
     *q = (shear_psf_quality){.r_psf_px = NAN};

@@ -5,9 +5,14 @@
 
 #include <math.h>
 
-void row_init(shear_row *row, int64_t stamp, double weight, uint32_t flags) {
-    *row = (shear_row){
-        .weight = weight, .stamp = stamp, .artefact_x = -1, .artefact_y = -1, .flags = flags};
+void row_init(shear_row *row, int64_t stamp, double weight, enum shear_frame frame,
+              uint32_t flags) {
+    *row = (shear_row){.frame = frame,
+                       .weight = weight,
+                       .stamp = stamp,
+                       .artefact_x = -1,
+                       .artefact_y = -1,
+                       .flags = flags};
     row->n1 = row->n2 = row->d = row->u = row->v = NAN;
     row->m20 = row->m02 = row->m11 = row->m4 = NAN;
     row->flux = row->snr = row->flux_removed = NAN;
@@ -62,7 +67,7 @@ void row_fill_moments(shear_row *row, const moments *m, double beta) {
     double terms[SHEAR_N_TERMS];
     const double cross = row->cross_n1 + row->cross_n2 + row->cross_d + row->cross_u + row->cross_v;
     if (!block_terms(row, terms) || !isfinite(m->m4) || !isfinite(m->u + m->v + cross))
-        row_init(row, row->stamp, row->weight, SHEAR_FLAG_OVERFLOW);
+        row_init(row, row->stamp, row->weight, row->frame, SHEAR_FLAG_OVERFLOW);
 }
 
 void row_fill_noise(shear_row *row, const spectra *sp, const shear_plan *plan) {

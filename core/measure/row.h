@@ -5,8 +5,8 @@
 #include "measure/photometry.h"
 #include "measure/spectra.h"
 
-/* Set the stamp's number, weight and flags; NaN in all that is not known yet. */
-void row_init(shear_row *row, int64_t stamp, double weight, uint32_t flags);
+/* Set the stamp's number, weight, frame and flags; NaN in all that is not known yet. */
+void row_init(shear_row *row, int64_t stamp, double weight, enum shear_frame frame, uint32_t flags);
 /* Fill in flux, signal to noise, and the border's excess over the noise stamp. */
 void row_fill_photometry(shear_row *row, const shear_stamps *st, const double *galaxy,
                          const double *noise, const photometry *ph);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/sharpness.h"
 
-#include "measure/psf.h"
-
 #include <math.h>
 
 /* Places between the pixels are at most a quarter of a pixel apart. */
@@ -16,6 +14,20 @@ typedef struct sampled_psf {
     int q;    /* samples per pixel */
     int fine; /* places per sample, along each axis */
 } sampled_psf;
+
+/* The brightest sample and the sum of an image. */
+typedef struct level {
+    double peak, sum;
+} level;
+
+static level level_of(const psf_view *v) {
+    level all = {0};
+    for (long i = 0; i < (long)v->nx * v->ny; i++) {
+        all.peak = fmax(all.peak, v->psf[i]);
+        all.sum += v->psf[i];
+    }
+    return all;
+}
 
 typedef struct cell {
     double at[PLACES * PLACES];
@@ -110,23 +122,72 @@ static double largest_ratio(const sampled_psf *v, double least) {
     return best.ratio;
 }
 
-sharpness sharpness_of(const double *psf, int nx, int ny, int q) {
+/* The sharpness of an image with a whole number of samples per pixel. */
+static sharpness of_whole(const double *psf, int nx, int ny, int q) {
     const sampled_psf v = {.image = {.psf = psf, .nx = nx, .ny = ny},
                            .q = q,
                            .fine = q < PLACES ? (PLACES + q - 1) / q : 1};
-    double peak = 0.0;
-    double sum = 0.0;
-    for (long i = 0; i < (long)nx * ny; i++) {
-        peak = fmax(peak, psf[i]);
-        sum += psf[i];
-    }
-    sharpness s = {.ratio = largest_ratio(&v, faint * peak), .leak = 0.0};
-    if (!(peak > 0.0) || !(sum > 0.0) || !isfinite(s.ratio))
+    const level all = level_of(&v.image);
+    sharpness s = {.ratio = largest_ratio(&v, faint * all.peak), .leak = 0.0};
+    if (!(all.peak > 0.0) || !(all.sum > 0.0) || !isfinite(s.ratio))
         return (sharpness){.ratio = INFINITY};
     for (int y = 0; y < ny; y++) {
         for (int x = 0; x < nx; x++)
             s.leak = fmax(s.leak, excess_at(&v, x, y, s.ratio));
     }
-    s.leak *= (double)q * q / sum; /* the sum of its pixels is sum / q^2 */
+    s.leak *= (double)q * q / all.sum; /* the sum of its pixels is sum / q^2 */
     return s;
+}
+
+/* ---- pixels that lie between the samples ---- */
+
+/* The means of the neighbours at (x, y), the smaller one. */
+static double around(const psf_view *v, double x, double y, const double *to_x,
+                     const double *to_y) {
+    const double row = psf_at(v, x - to_x[0], y - to_x[1]) + psf_at(v, x + to_x[0], y + to_x[1]);
+    const double column = psf_at(v, x - to_y[0], y - to_y[1]) + psf_at(v, x + to_y[0], y + to_y[1]);
+    return 0.5 * fmin(row, column);
+}
+
+/* Return the largest ratio at the places about sample (x, y). */
+static double ratio_near(const psf_view *v, int x, int y, int fine, const double *to_x,
+                         const double *to_y) {
+    double most = 1.0;
+    for (int i = 0; i < fine * fine; i++) {
+        const double at_x = x + (double)(i % fine) / fine;
+        const double at_y = y + (double)(i / fine) / fine;
+        const double mean = around(v, at_x, at_y, to_x, to_y);
+        most = fmax(most, mean > 0.0 ? psf_at(v, at_x, at_y) / mean : INFINITY);
+    }
+    return most;
+}
+
+sharpness sharpness_on_pixels(const psf_view *v, const double *to_x, const double *to_y) {
+    const double area = fabs(to_x[0] * to_y[1] - to_x[1] * to_y[0]);
+    const int fine = area < PLACES * PLACES ? (int)ceil(PLACES / sqrt(fmax(1.0, area))) : 1;
+    const level all = level_of(v);
+    sharpness s = {.ratio = 1.0, .leak = 0.0};
+    for (int y = 0; y < v->ny; y++) {
+        for (int x = 0; x < v->nx; x++) {
+            if (psf_sample(v, x, y) > faint * all.peak)
+                s.ratio = fmax(s.ratio, ratio_near(v, x, y, fine, to_x, to_y));
+        }
+    }
+    if (!(all.peak > 0.0) || !(all.sum > 0.0) || !isfinite(s.ratio))
+        return (sharpness){.ratio = INFINITY};
+    for (int y = 0; y < v->ny; y++) {
+        for (int x = 0; x < v->nx; x++) {
+            const double mean = fmax(0.0, around(v, x, y, to_x, to_y));
+            s.leak = fmax(s.leak, psf_sample(v, x, y) - s.ratio * mean);
+        }
+    }
+    s.leak *= area / all.sum;
+    return s;
+}
+
+sharpness sharpness_of(const double *psf, int nx, int ny, double q) {
+    const psf_view view = {.psf = psf, .nx = nx, .ny = ny};
+    const double x[2] = {q, 0.0};
+    const double y[2] = {0.0, q};
+    return q == floor(q) ? of_whole(psf, nx, ny, (int)q) : sharpness_on_pixels(&view, x, y);
 }

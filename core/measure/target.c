@@ -37,6 +37,12 @@ void target_fill_pixel(target *t, const mode_plane *p, double beta, int s) {
     }
 }
 
+void target_limit(target *t, const mode_plane *p, double farthest) {
+    t->limit = fmin(t->limit, farthest);
+    t->jx = target_last_jx(t, p, t->limit, 0, p->max_jx);
+    t->jy = target_last_jy(t, p, t->limit, p->max_jy);
+}
+
 double target_farthest(double beta, double threshold) {
     static const double nothing = 1e-15;
     const double least = nothing * threshold * 4.0 * exp(-2.0); /* 4 exp(-2): the maximum */
@@ -90,9 +96,8 @@ void target_fill_sky(target *t, const mode_plane *p, const frame_map *map, doubl
                      double farthest) {
     t->map = *map;
     t->beta = beta;
-    t->limit = fmin(p->k_limit / map->stretch, farthest);
-    t->jx = target_last_jx(t, p, t->limit, 0, p->max_jx);
-    t->jy = target_last_jy(t, p, t->limit, p->max_jy);
+    t->limit = p->k_limit / map->stretch;
+    target_limit(t, p, farthest);
     const size_t n = fft_padded(t->jy + 1);
     const double ux = 2.0 * M_PI / p->nx;
     const double uy = 2.0 * M_PI / p->ny;

@@ -29,6 +29,9 @@ void target_fill_pixel(target *t, const mode_plane *p, double beta, int s);
 void target_fill_sky(target *t, const mode_plane *p, const frame_map *map, double beta, int s,
                      double farthest);
 
+/* Leave out modes at |q| >= farthest in a table that has been filled. */
+void target_limit(target *t, const mode_plane *p, double farthest);
+
 /* Return the |q| beyond which x^2 exp(-x), x = (beta q)^2, over |W|^2 >= threshold is below 1e-15
  * of its largest value: no mode there counts (docs/method.md, section 3). */
 double target_farthest(double beta, double threshold);

@@ -24,8 +24,12 @@ static void place_transfer(shear_workspace *ws, const shear_plan *plan, arena *a
         target_place(&ws->target, p, true, a);
     if (!plan->has_psf)
         ws->power = arena_doubles(a, p->size);
-    if (!plan->has_psf && plan->n_bases == 0)
+    if (plan->n_bases > 0)
+        ws->psf_image = arena_doubles(a, plan->model_size);
+    if (!plan->has_psf && plan->n_bases == 0 && plan->by_fft)
         psf_scratch_place(&ws->psf_scratch, &plan->psf_transform, a);
+    if (!plan->has_psf && plan->n_bases == 0 && !plan->by_fft)
+        psf_direct_place(&ws->direct, p, &plan->waves, a);
 }
 
 static void place(shear_workspace *ws, const shear_plan *plan, arena *a) {

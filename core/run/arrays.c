@@ -39,11 +39,12 @@ static int check_geometry(const shear_geometry *g, shear_error *err) {
                           "PSF images of %d x %d samples: each side must have %d to %d", g->psf_nx,
                           g->psf_ny, SHEAR_MIN_PSF_SIDE, SHEAR_MAX_PSF_SIDE);
     }
-    if (g->psf_oversample < 1 || g->psf_oversample > SHEAR_MAX_PSF_OVERSAMPLE) {
+    if (!(g->psf_oversample >= SHEAR_MIN_PSF_OVERSAMPLE) ||
+        !(g->psf_oversample <= SHEAR_MAX_PSF_OVERSAMPLE)) {
         return shear_fail(err, SHEAR_E_FORMAT,
                           "give geometry.psf_oversample; 1 is one sample per pixel",
-                          "%d PSF samples per pixel: there must be 1 to %d", g->psf_oversample,
-                          SHEAR_MAX_PSF_OVERSAMPLE);
+                          "%g PSF samples per pixel: there must be %g to %d", g->psf_oversample,
+                          SHEAR_MIN_PSF_OVERSAMPLE, SHEAR_MAX_PSF_OVERSAMPLE);
     }
     return SHEAR_OK;
 }

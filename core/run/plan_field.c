@@ -9,8 +9,9 @@
 #include "run/file_source.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-enum { MAX_PSFS_FOR_RADIUS = 256, MAX_SAMPLED_BLOCKS = 32 };
+enum { MAX_PSFS_FOR_RADIUS = 256, MAX_MODEL_STAMPS = 64, MAX_SAMPLED_BLOCKS = 32 };
 
 /* ---- a sample of the PSFs ---- */
 
@@ -54,48 +55,119 @@ static int read_sample(shear_plan_request *request, const shear_field_info *info
     return code;
 }
 
-int shear_plan_request_read(shear_plan_request *request, const shear_settings *settings,
-                            const shear_field_info *info, shear_psf_source psfs, shear_error *err) {
+/* Read the field's one PSF, or look at a sample. */
+static int read_images(shear_plan_request *request, const shear_field_info *info,
+                       shear_psf_source psfs, shear_error *err) {
     const shear_geometry *g = &info->geometry;
-    *request = (shear_plan_request){
-        .settings = settings, .geometry = *g, .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0};
-    if (info->n_models > 0) { /* HACK */
-        const shear_psf_model *m = NULL;
-        shear_field_get_models(psfs.self, &m);
-        request->models = m; request->n_models = info->n_models; request->frame = info->frame; request->pixel_scale = info->pixscale;
-        TRY(shear_psf_radius(m->samples, m->nx, m->ny, 1, &request->r_psf_px, err));
-        request->r_psf_px *= m->step;
-        return SHEAR_OK;
-    }
     CLEANUP(release_free)
     double *psf = malloc((size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *psf);
     if (psf == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF of %d x %d samples",
                           g->psf_nx, g->psf_ny);
     }
-    const bool one = info->psf_layout == SHEAR_PSF_ONE;
-    const int code =
-        one ? psfs.read(psfs.self, 0, psf, err) : read_sample(request, info, psfs, psf, err);
-    if (code != SHEAR_OK) {
-        shear_plan_request_deinit(request);
-        return code;
-    }
-    request->psf = one ? CLEANUP_TAKE(psf) : NULL;
+    if (info->psf_layout != SHEAR_PSF_ONE)
+        return read_sample(request, info, psfs, psf, err);
+    TRY(psfs.read(psfs.self, 0, psf, err));
+    request->psf = CLEANUP_TAKE(psf);
     return SHEAR_OK;
+}
+
+/* ---- a sample of the galaxies, whose PSFs are those of models ---- */
+
+/* The usable PSFs of the sample. */
+typedef struct model_sample {
+    shear_psf_quality quality[MAX_MODEL_STAMPS];
+    int model[MAX_MODEL_STAMPS];
+    double *terms; /* [MAX_MODEL_STAMPS][terms] */
+} model_sample;
+
+static void model_sample_deinit(model_sample *s) {
+    free(s->terms);
+}
+
+/* Look at the PSF of one stamp, and keep it if it is usable. *why gets what is wrong with it. */
+static int look_at_stamp(model_sample *s, int64_t stamp, const shear_psf_source *psfs, int n_terms,
+                         shear_plan_request *request, shear_error *why, shear_error *err) {
+    const int i = request->n_psfs;
+    double *terms = s->terms + (size_t)i * (size_t)n_terms;
+    TRY(psfs->read_terms(psfs->self, stamp, &s->model[i], terms, err));
+    if (s->model[i] < 0 || s->model[i] >= request->n_models)
+        return SHEAR_OK;
+    const bool usable = shear_psf_model_examine(&s->quality[i], &request->models[s->model[i]],
+                                                terms, request->pixel_scale, why) == SHEAR_OK;
+    request->n_psfs += usable;
+    request->n_unusable += !usable;
+    return SHEAR_OK;
+}
+
+/* Keep the qualities, and the coefficients of the galaxy with the median radius. */
+static int keep_sample(shear_plan_request *request, const model_sample *s, int n_terms,
+                       shear_error *err) {
+    shear_psf_quality *each = malloc(sizeof s->quality);
+    double *terms = malloc((size_t)n_terms * sizeof *terms);
+    request->psfs = each;
+    request->terms = terms;
+    if (each == NULL || terms == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
+    memcpy(each, s->quality, sizeof s->quality);
+    request->r_psf_px = median_radius(request);
+    int typical = 0;
+    while (each[typical].r_psf_px != request->r_psf_px)
+        typical++;
+    memcpy(terms, s->terms + (size_t)typical * (size_t)n_terms, (size_t)n_terms * sizeof *terms);
+    request->model = s->model[typical];
+    return SHEAR_OK;
+}
+
+static int read_models(shear_plan_request *request, const shear_field_info *info,
+                       shear_psf_source psfs, shear_error *err) {
+    const int n_terms = psfs.models[0].terms;
+    const int64_t tries = info->n_stamps < MAX_MODEL_STAMPS ? info->n_stamps : MAX_MODEL_STAMPS;
+    shear_error why = {.message = "no stamp has one"};
+    CLEANUP(model_sample_deinit)
+    model_sample s = {.terms = calloc((size_t)MAX_MODEL_STAMPS * (size_t)n_terms, sizeof *s.terms)};
+    request->models = psfs.models;
+    request->n_models = info->n_models;
+    if (s.terms == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
+    for (int64_t i = 0; i < tries; i++) {
+        TRY(look_at_stamp(&s, i * info->n_stamps / tries, &psfs, n_terms, request, &why, err));
+    }
+    if (request->n_psfs == 0) {
+        return shear_fail(err, SHEAR_E_PSF, why.advice, "none of %lld PSFs is usable: %s",
+                          (long long)tries, why.message);
+    }
+    return keep_sample(request, &s, n_terms, err);
+}
+
+int shear_plan_request_read(shear_plan_request *request, const shear_settings *settings,
+                            const shear_field_info *info, shear_psf_source psfs, shear_error *err) {
+    *request = (shear_plan_request){.settings = settings,
+                                    .geometry = info->geometry,
+                                    .frame = info->frame,
+                                    .pixel_scale = info->pixscale > 0.0 ? info->pixscale : 0.0,
+                                    .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0};
+    const int code = info->n_models > 0 ? read_models(request, info, psfs, err)
+                                        : read_images(request, info, psfs, err);
+    if (code != SHEAR_OK)
+        shear_plan_request_deinit(request);
+    return code;
 }
 
 void shear_plan_request_deinit(shear_plan_request *request) {
     free((void *)request->psf);
     free((void *)request->psfs);
+    free((void *)request->terms);
     *request = (shear_plan_request){0};
 }
 
 /* ---- a sample of the stamps: how far do the galaxies reach? ---- */
 
 static bool counts(const shear_stamps *s, int i) {
+    const bool whole = s->flags == NULL || s->flags[i] == 0;
     const bool weighs =
         s->weight == NULL || (shear_weight_is_good(s->weight[i]) && s->weight[i] > 0);
-    return weighs && (s->mask == NULL || s->mask[i] == 0);
+    return whole && weighs && (s->mask == NULL || s->mask[i] == 0);
 }
 
 static void add_stamps(reach *r, const shear_stamps *s) {
@@ -153,10 +225,6 @@ int shear_plan_request_sample(shear_plan_request *request, const shear_field_inf
 
 /* ---- the plan ---- */
 
-static int read_from_file(void *self, int64_t index, double *out, shear_error *err) {
-    return shear_field_read_psf(self, index, out, err);
-}
-
 static int sample_file(shear_plan_request *request, shear_field *field, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     if (!shear_plan_wants_core(request))
@@ -168,12 +236,40 @@ static int sample_file(shear_plan_request *request, shear_field *field, shear_er
     return shear_plan_request_sample(request, info, file_source_as_source(&source), capacity, err);
 }
 
+/* A field whose stamps are read one by one. */
+typedef struct stamp_reader {
+    shear_field *field;
+    shear_block *block; /* of one stamp */
+} stamp_reader;
+
+static void stamp_reader_deinit(stamp_reader *r) {
+    shear_block_free(r->block);
+}
+
+static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
+    const stamp_reader *r = self;
+    return shear_field_read_psf(r->field, index, out, err);
+}
+
+static int read_terms(void *self, int64_t stamp, int *model, double *terms, shear_error *err) {
+    const stamp_reader *r = self;
+    const shear_stamps *s = &r->block->stamps;
+    const int n_terms = shear_field_get_info(r->field)->psf_terms;
+    TRY(shear_field_read(r->field, stamp, 1, r->block, err));
+    *model = s->flags != NULL && s->flags[0] != 0 ? -1 : s->psf_index != NULL ? s->psf_index[0] : 0;
+    memcpy(terms, s->psf_terms, (size_t)n_terms * sizeof *terms);
+    return SHEAR_OK;
+}
+
 int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shear_field *field,
                          shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
-    const shear_psf_source psfs = {.self = field, .read = read_from_file};
+    CLEANUP(stamp_reader_deinit) stamp_reader reader = {.field = field};
+    shear_psf_source psfs = {.self = &reader, .read = read_psf, .read_terms = read_terms};
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
     *plan = NULL;
+    if (shear_field_get_models(field, &psfs.models) > 0)
+        TRY(shear_block_new(&reader.block, info, 1, err));
     TRY(shear_plan_request_read(&request, settings, info, psfs, err));
     TRY(sample_file(&request, field, err));
     return shear_plan_new(plan, &request, err);

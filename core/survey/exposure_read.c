@@ -4,9 +4,7 @@
 
 #include "base/cleanup.h"
 
-#include "shear/plan.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- the pixels of one chip at a time ---- */
@@ -18,15 +16,6 @@ void exposure_let_go(held_chip *h) {
     *h = (held_chip){.chip = -1};
 }
 
-/* HACK */
-static int shear_psf_model_radius(const shear_psf_model *m, const double *c, double scale, double *r, shear_error *err) {
-    double *im = calloc((size_t)m->nx*(size_t)m->ny, sizeof *im);
-    for (int t = 0; t < m->terms; t++) for (int i = 0; i < m->nx*m->ny; i++) im[i] += c[t]*m->samples[t*m->nx*m->ny+i];
-    int code = shear_psf_radius(im, m->nx, m->ny, 1, r, err);
-    *r *= m->step / scale;
-    free(im);
-    return code;
-}
 /* Return R_PSF in the middle of a chip, pixels. */
 static double chip_r_psf(const exposure *e, int chip) {
     int nx;

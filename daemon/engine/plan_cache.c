@@ -58,7 +58,7 @@ static bool key_make(key *k, const shear_plan_request *request) {
         fprintf(out, "%s;",
                 shear_settings_format(request->settings, &table[i], value, sizeof value));
     }
-    fprintf(out, "%d;%d;%d;%d;%d;%d;%a;%a;", g->nx, g->ny, g->psf_nx, g->psf_ny, g->psf_oversample,
+    fprintf(out, "%d;%d;%d;%d;%a;%d;%a;%a;", g->nx, g->ny, g->psf_nx, g->psf_ny, g->psf_oversample,
             request->has_r_gal, request->psf != NULL ? 0.0 : request->r_psf_px, request->core_px);
     fwrite(request->psf != NULL ? (const void *)request->psf : "", 1, n_psf, out);
     fprintf(out, "%d;%a;%d;", request->frame, request->pixel_scale, request->n_models);

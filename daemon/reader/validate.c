@@ -46,7 +46,8 @@ bool validate_info(shear_field_info *info) {
     info->name[sizeof info->name - 1] = '\0';
     return name_is_valid(info->name) && in_range(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
            in_range(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) && in_range(g->psf_nx, 1, 4096) &&
-           in_range(g->psf_ny, 1, 4096) && in_range(g->psf_oversample, 1, 64) &&
+           in_range(g->psf_ny, 1, 4096) && g->psf_oversample >= SHEAR_MIN_PSF_OVERSAMPLE &&
+           g->psf_oversample <= SHEAR_MAX_PSF_OVERSAMPLE &&
            in_range(info->n_stamps, 1, INT64_C(1) << 40) &&
            in_range(info->n_psf, 1, INT64_C(1) << 40) &&
            in_range(info->layout, SHEAR_LAYOUT_CUBE, SHEAR_LAYOUT_MOSAIC) &&

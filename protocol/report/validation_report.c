@@ -33,7 +33,7 @@ static json_t *field_object(const shear_field_info *f) {
         {"nx", json_integer(g->nx)}, {"ny", json_integer(g->ny)},
         {"noise_stamps", json_integer(f->noise_planes)}, {"n_psf", json_integer(f->n_psf)},
         {"psf_nx", json_integer(g->psf_nx)}, {"psf_ny", json_integer(g->psf_ny)},
-        {"psf_oversample", json_integer(g->psf_oversample)},
+        {"psf_oversample", json_text_number(g->psf_oversample)},
         {"psf_layout", json_string(psf_layout_name(f->psf_layout))},
         {"layout", json_string(f->layout == SHEAR_LAYOUT_CUBE ? "cube" : "mosaic")},
         {"bitpix", json_integer(f->bitpix)}, {"compressed", json_boolean(f->compressed)},

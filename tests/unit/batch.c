@@ -29,7 +29,7 @@ void batch_init(batch *b, int count, const shear_geometry *geometry, double r_ps
                  .mask = zeros(n, sizeof(int32_t))};
     pair p;
     pair_init(&p, geometry->nx, geometry->ny, geometry->psf_nx, geometry->psf_ny,
-              geometry->psf_oversample);
+              (int)geometry->psf_oversample);
     for (size_t i = 0; i < n; i++) {
         pair_draw(&p, r_psf, seed + 100 * i);
         memcpy(b->galaxy + i * pixels, p.galaxy, pixels * sizeof(double));

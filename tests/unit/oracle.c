@@ -269,8 +269,8 @@ static void cut_closing_cells(double *fine, int nx, int ny, int factor) {
 static double psf_power(const shear_plan_info *info, const shear_settings *settings,
                         const double *psf, modes *out) {
     const shear_geometry *g = &info->geometry;
-    const int q = info->psf_oversample;
-    const int factor = q / g->psf_oversample;
+    const int q = (int)info->psf_oversample;
+    const int factor = q / (int)g->psf_oversample;
     double *fine = oracle_interpolate(psf, g->psf_nx, g->psf_ny, info->interpolation, factor,
                                       settings->zeros, 0.0);
     cut_closing_cells(fine, g->psf_nx, g->psf_ny, factor);
@@ -393,7 +393,7 @@ shear_row oracle_measure(const shear_plan_info *info, const shear_settings *sett
     shear_row row = {0};
     /* Modes on the edge of the fine grid's band lie outside any circle inside it. */
     const int finest =
-        info->oversample < info->psf_oversample ? info->oversample : info->psf_oversample;
+        info->oversample < info->psf_oversample ? info->oversample : (int)info->psf_oversample;
     modes of_psf = modes_new(info->geometry.nx * finest / 2, info->geometry.ny * finest / 2);
     *k_cut = psf_power(info, settings, psf, &of_psf);
     double level = 0.0;

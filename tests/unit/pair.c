@@ -52,7 +52,7 @@ void pair_draw(pair *p, double r_psf, uint64_t seed) {
                           .xy = 0.15 * r_psf * r_psf,
                           .x0 = (0.45 + 0.1 * uniform(&seed)) * g->psf_nx / g->psf_oversample,
                           .y0 = (0.45 + 0.1 * uniform(&seed)) * g->psf_ny / g->psf_oversample};
-    gaussian_draw(&psf, g->psf_nx, g->psf_ny, g->psf_oversample, p->psf);
+    gaussian_draw(&psf, g->psf_nx, g->psf_ny, (int)g->psf_oversample, p->psf);
 }
 
 static int try_info(const pair *p, shear_row *row, shear_plan_info *info, shear_error *err) {

@@ -116,7 +116,7 @@ static void turn(const double *in, int nx, int ny, bool mirror, double *out) {
 
 static void pair_turn(const pair *p, bool mirror, pair *out) {
     const shear_geometry *g = &p->geometry;
-    pair_init(out, g->ny, g->nx, g->psf_ny, g->psf_nx, g->psf_oversample);
+    pair_init(out, g->ny, g->nx, g->psf_ny, g->psf_nx, (int)g->psf_oversample);
     out->settings = p->settings;
     turn(p->galaxy, g->nx, g->ny, mirror, out->galaxy);
     turn(p->noise, g->nx, g->ny, mirror, out->noise);

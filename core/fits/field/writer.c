@@ -48,8 +48,9 @@ static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err)
         {inside(g->psf_nx, SHEAR_MIN_PSF_SIDE, SHEAR_MAX_PSF_SIDE) &&
              inside(g->psf_ny, SHEAR_MIN_PSF_SIDE, SHEAR_MAX_PSF_SIDE),
          "a PSF's side must have 3 to 4096 samples"},
-        {inside(g->psf_oversample, 1, SHEAR_MAX_PSF_OVERSAMPLE),
-         "the PSF's oversampling must be 1 to 64"},
+        {g->psf_oversample >= SHEAR_MIN_PSF_OVERSAMPLE &&
+             g->psf_oversample <= SHEAR_MAX_PSF_OVERSAMPLE,
+         "the PSF's oversampling must be 0.1 to 64"},
         {inside(s->n_stamps, 1, INT32_MAX), "the number of stamps must be 1 to 2147483647"},
         {inside(s->noise_planes, 0, SHEAR_MAX_NOISE_PLANES),
          "there must be 1 to 64 noise stamps per galaxy"},
@@ -146,7 +147,7 @@ static int create_psf(shear_field_writer *w, shear_error *err) {
     long axes[3] = {s->geometry.psf_nx, s->geometry.psf_ny, (long)s->n_psf};
     fits_create_img(w->out.fits, s->bitpix, s->n_psf == 1 ? 2 : 3, axes, &status);
     fits_write_key_str(w->out.fits, "EXTNAME", "PSF", "point spread function", &status);
-    fits_write_key_lng(w->out.fits, "OVERSAMP", s->geometry.psf_oversample,
+    fits_write_key_dbl(w->out.fits, "OVERSAMP", s->geometry.psf_oversample, -15,
                        "PSF samples per galaxy pixel", &status);
     return result(w, "PSF", status, err);
 }

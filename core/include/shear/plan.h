@@ -31,11 +31,12 @@ typedef struct shear_workspace shear_workspace;
 
 /** The shapes of stamps and PSF images. */
 typedef struct shear_geometry {
-    int nx;             /**< columns of a stamp, galaxy pixels */
-    int ny;             /**< rows of a stamp, galaxy pixels */
-    int psf_nx;         /**< columns of a PSF image, samples */
-    int psf_ny;         /**< rows of a PSF image, samples */
-    int psf_oversample; /**< PSF samples per galaxy pixel (keyword OVERSAMP), at least 1 */
+    int nx;                /**< columns of a stamp, galaxy pixels */
+    int ny;                /**< rows of a stamp, galaxy pixels */
+    int psf_nx;            /**< columns of a PSF image, samples */
+    int psf_ny;            /**< rows of a PSF image, samples */
+    double psf_oversample; /**< PSF samples per galaxy pixel (keyword OVERSAMP), at least 0.1; need
+                              not be a whole number */
 } shear_geometry;
 
 /** The wave numbers at which galaxies have no power, so that only noise is left. They depend on
@@ -54,7 +55,7 @@ typedef struct shear_plan_info {
     shear_geometry geometry;                /**< as requested */
     enum shear_interpolation interpolation; /**< never AUTO */
     int oversample;                         /**< s of the galaxy's fine grid; 1 for none */
-    int psf_oversample;       /**< samples per galaxy pixel at which the PSF is transformed */
+    double psf_oversample;    /**< samples per galaxy pixel at which the PSF is transformed */
     int fine_nx;              /**< nx s */
     int fine_ny;              /**< ny s */
     double r_psf_px;          /**< PSF scale radius */
@@ -92,6 +93,9 @@ typedef struct shear_plan_request {
      * its coefficients (shear_stamps.psf_terms). All have the same number of terms. */
     const shear_psf_model *models;
     int n_models;           /**< 0: no models */
+    const double *terms;    /**< coefficients of a typical galaxy, which show whether beta is large
+                               enough, and how sharp the PSF is; or NULL */
+    int model;              /**< its model */
     enum shear_frame frame; /**< of the moments; stamps must have Jacobians unless it is PIXEL */
     double pixel_scale; /**< arcsec per pixel, the median sqrt|det J| of the stamps; needed unless
                            the frame is PIXEL: beta = beta_px times it */
@@ -193,11 +197,11 @@ int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int 
                         shear_workspace *const *ws, shear_row *rows, shear_error *err);
 
 /** Compute the scale radius R_PSF = sqrt(A/pi) in galaxy pixels of psf[ny][nx], with `oversample`
- * samples per galaxy pixel. A is the area in which the PSF exceeds exp(-1/2) of its peak, which is
- * exact for a Gaussian. Between samples the logarithm is interpolated (log-bicubic), so that the
- * radius of an under-sampled PSF is right, too. SHEAR_E_PSF: not finite, no positive peak, sum not
- * positive. */
-int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
+ * samples per galaxy pixel, which need not be a whole number. A is the area in which the PSF
+ * exceeds exp(-1/2) of its peak, which is exact for a Gaussian. Between samples the logarithm is
+ * interpolated (log-bicubic), so that the radius of an under-sampled PSF is right, too.
+ * SHEAR_E_PSF: not finite, no positive peak, sum not positive. */
+int shear_psf_radius(const double *psf, int nx, int ny, double oversample, double *r_psf_px,
                      shear_error *err);
 
 /** The steps of one measurement as images, for figures and teaching. The modes are centred: k = 0

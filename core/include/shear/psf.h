@@ -65,9 +65,9 @@ const char *shear_psf_flaw_name(int flaw);
  * PSF lies around the corners, in the order of an FFT; at the edge; or on a bright background).
  * Message and advice say which. */
 int shear_psf_usable(const double *psf, int nx, int ny, shear_error *err);
-/** Measure the quality of psf[ny][nx], with `oversample` samples per galaxy pixel. SHEAR_E_PSF as
- * above. */
-int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, int oversample,
+/** Measure the quality of psf[ny][nx], with `oversample` samples per galaxy pixel, which need not
+ * be a whole number. SHEAR_E_PSF as above. */
+int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, double oversample,
                       shear_error *err);
 
 /** How the samples of a PSF model lie. */
@@ -97,6 +97,16 @@ typedef struct shear_psf_model {
                               transform multiplies that of the samples; 0: none */
     const double *samples; /**< [terms][ny][nx] */
 } shear_psf_model;
+
+/** Measure the quality of the PSF of a galaxy with these coefficients [model->terms]. `scale`:
+ * arcsec per pixel; it is used with SHEAR_PSF_AXES_SKY only. A model of |W|^2 has no phases: its
+ * image is taken to be symmetric. SHEAR_E_PSF as of shear_psf_examine(), and for coefficients that
+ * are not finite; SHEAR_E_NOMEM. */
+int shear_psf_model_examine(shear_psf_quality *q, const shear_psf_model *model, const double *terms,
+                            double scale, shear_error *err);
+/** Compute R_PSF of such a galaxy alone: shear_psf_radius(). Errors likewise. */
+int shear_psf_model_radius(const shear_psf_model *model, const double *terms, double scale,
+                           double *r_psf_px, shear_error *err);
 
 /** The quality of one image or several. */
 typedef struct shear_psf_summary {

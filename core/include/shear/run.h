@@ -19,16 +19,22 @@
 
 SHEAR_BEGIN_C
 
-/** A source of PSF images. */
+/** A source of PSF images, or of PSF models and their coefficients. */
 typedef struct shear_psf_source {
-    void *self; /**< the first argument of `read` */
+    void *self; /**< the first argument of the functions */
     /** Read image `index` of a field, from 0, into out[psf_ny][psf_nx]. */
     int (*read)(void *self, int64_t index, double *out, shear_error *err);
+    /** [info->n_models] the models, instead of images. The request borrows them. */
+    const shear_psf_model *models;
+    /** Read the coefficients [terms] of stamp `stamp`, and set *model to the number of its model;
+     * -1: it has none, or is left out. Only with models. */
+    int (*read_terms)(void *self, int64_t stamp, int *model, double *terms, shear_error *err);
 } shear_psf_source;
 
 /** Make the request for a field's plan: its geometry, and its PSF, which is read. If there are
- * several, up to 256 that are evenly spaced are read, and r_psf_px is their median radius. The
- * settings are borrowed. On error there is nothing to free. */
+ * several, up to 256 that are evenly spaced are read, and r_psf_px is their median radius. Likewise
+ * with models, whose PSFs are those of evenly spaced stamps; frame and pixel scale are the field's.
+ * The settings are borrowed. On error there is nothing to free. */
 int shear_plan_request_read(shear_plan_request *request, const shear_settings *settings,
                             const shear_field_info *info, shear_psf_source psfs, shear_error *err);
 /** Free what shear_plan_request_read() has read. Only for requests that it has made. */

@@ -26,6 +26,9 @@ enum {
     SHEAR_MAX_PSF_OVERSAMPLE = 64 /**< the most PSF samples per pixel */
 };
 
+/** The fewest PSF samples per pixel. */
+#define SHEAR_MIN_PSF_OVERSAMPLE 0.1
+
 /** Why a stamp is left out of the field's sums. A row may have several flags. */
 enum shear_flag {
     /** A NaN, infinite or BLANK pixel in the galaxy stamp. */
