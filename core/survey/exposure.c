@@ -309,7 +309,8 @@ static void close_exposure(shear_field *field) {
 }
 
 int exposure_open(shear_field **field, const shear_input *input, const int *fds, shear_error *err) {
-    static const field_reader reader = {.read = exposure_read, .close = close_exposure};
+    static const field_reader reader = {
+        .read = exposure_read, .read_columns = exposure_read_columns, .close = close_exposure};
     exposure *e = calloc(1, sizeof *e);
     *field = NULL;
     if (e == NULL)

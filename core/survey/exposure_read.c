@@ -47,10 +47,10 @@ static int hold(exposure *e, int chip, shear_error *err) {
         return SHEAR_OK;
     exposure_let_go(h);
     cutter_options options = {.stamp = e->base.info.geometry.nx,
-                                    .noise_stamps = e->base.info.noise_planes,
-                                    .noise = e->options.noise,
-                                    .chip = chip,
-                                    .r_psf_px = chip_r_psf(e, chip)};
+                              .noise_stamps = e->base.info.noise_planes,
+                              .noise = e->options.noise,
+                              .chip = chip,
+                              .r_psf_px = chip_r_psf(e, chip)};
     exposure_images_size(e->images, chip, &options.nx, &options.ny);
     TRY(chip_pixels_open(&h->pixels, e->images, chip, s->shapes, s->n_shapes, err));
     if (e->noise_images != NULL)
@@ -69,20 +69,23 @@ static int find_chip(const exposure *e, int64_t stamp) {
     return chip;
 }
 
-/* Copy what is known without pixels. */
-static void fill_columns(const exposure *e, const chip_stamps *s, int64_t from, int model,
-                         shear_block *b, int to) {
+/* Copy what is known without pixels of a stamp. */
+static void fill_columns(const exposure *e, int64_t stamp, shear_block *b, int to) {
+    const exposure_chip *chip = &e->chips[find_chip(e, stamp)];
+    const chip_stamps *s = &chip->stamps;
+    const int64_t from = stamp - chip->first;
     b->id[to] = s->id[from];
     b->x[to] = s->x[from];
     b->y[to] = s->y[from];
-    b->psf_index[to] = model;
+    b->dropped[to] = s->flags[from];
+    b->psf_index[to] = chip->model;
     memcpy(b->psf_terms + (size_t)to * (size_t)s->terms, s->psf_terms + from * s->terms,
            (size_t)s->terms * sizeof *b->psf_terms);
     if (b->weight != NULL)
         b->weight[to] = s->weight != NULL ? s->weight[from] : 1.0;
     if (b->r_gal != NULL)
         b->r_gal[to] = s->r_gal != NULL ? s->r_gal[from] : NAN;
-    if ((e->base.info.columns & SHEAR_COL_JACOBIAN) != 0) {
+    if (b->jacobian != NULL) {
         const sky_distortion d = sky_distortion_of(s->jacobian[from]);
         b->ra[to] = s->ra[from];
         b->dec[to] = s->dec[from];
@@ -90,6 +93,14 @@ static void fill_columns(const exposure *e, const chip_stamps *s, int64_t from, 
         b->gf1[to] = d.g1;
         b->gf2[to] = d.g2;
     }
+}
+
+int exposure_read_columns(shear_field *field, int64_t first, int count, shear_block *block,
+                          shear_error *err) {
+    (void)err;
+    for (int i = 0; i < count; i++)
+        fill_columns(exposure_of(field), first + i, block, i);
+    return SHEAR_OK;
 }
 
 static int cut(exposure *e, int64_t stamp, shear_block *b, int to, shear_error *err) {
@@ -106,8 +117,8 @@ static int cut(exposure *e, int64_t stamp, shear_block *b, int to, shear_error *
                         .noise = b->noise + (size_t)to * (size_t)info->noise_planes * pixels};
     TRY(hold(e, chip, err));
     TRY(cutter_cut(e->held.cutter, &source, &pair, err));
-    fill_columns(e, s, from, e->chips[chip].model, b, to);
-    b->dropped[to] = s->flags[from] | pair.flags;
+    fill_columns(e, stamp, b, to);
+    b->dropped[to] |= pair.flags;
     return SHEAR_OK;
 }
 

@@ -35,7 +35,9 @@ static inline exposure *exposure_of(shear_field *field) {
     return (exposure *)field;
 }
 
-/* Read a block: one of the functions of a field_reader. */
+/* Read a block, and its columns alone: functions of a field_reader. */
+int exposure_read_columns(shear_field *field, int64_t first, int count, shear_block *block,
+                          shear_error *err);
 int exposure_read(shear_field *field, int64_t first, int count, shear_block *block,
                   shear_error *err);
 /* Free the pixels of the chip that is held. */

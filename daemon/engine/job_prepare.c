@@ -21,6 +21,17 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
     return SHEAR_OK;
 }
 
+/* Read the coefficients of a stamp, as the function of shear_psf_source. */
+static int read_terms(void *self, int64_t stamp, int *model, double *terms, shear_error *err) {
+    job *j = self;
+    const shear_block *b = NULL;
+    TRY(reader_read_columns(j->reader, stamp, &b, err));
+    const bool dropped = b->dropped != NULL && b->dropped[0] != 0;
+    *model = dropped ? -1 : b->psf_index[0];
+    memcpy(terms, b->psf_terms, (size_t)reader_get_info(j->reader)->psf_terms * sizeof *terms);
+    return SHEAR_OK;
+}
+
 /* ---- memory ---- */
 
 /* Return the bytes that the job takes beside its plan, with `team` workers. */
@@ -82,8 +93,9 @@ static int plan_within_budget(job *j, const shear_plan_request *request, shear_e
 /* Read what the plan is made from, and make it. The PSF and the sample are read before memory is
  * reserved for them; they are no larger than the shared memory. */
 static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
-    const shear_psf_source psfs = {.self = j, .read = read_psf};
+    shear_psf_source psfs = {.self = j, .read = read_psf, .read_terms = read_terms};
     CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
+    TRY(reader_read_models(j->reader, &psfs.models, err));
     TRY(shear_plan_request_read(&request, &j->settings, info, psfs, err));
     const shear_source source = {.self = j->reader, .read = reader_read};
     const int capacity = j->size.stamps < SHEAR_BLOCK ? j->size.stamps : SHEAR_BLOCK;

@@ -64,6 +64,10 @@ static bool key_make(key *k, const shear_plan_request *request) {
     fprintf(out, "%d;%a;%d;", request->frame, request->pixel_scale, request->n_models);
     for (int i = 0; i < request->n_models; i++)
         write_model(out, &request->models[i]);
+    if (request->n_models > 0) {
+        fprintf(out, "%d;", request->model);
+        fwrite(request->terms, sizeof *request->terms, (size_t)request->models[0].terms, out);
+    }
     fprintf(out, "%d;%d;", request->n_psfs, request->n_unusable);
     for (int i = 0; i < request->n_psfs; i++)
         fwrite(&request->psfs[i], 1, sizeof request->psfs[i], out);

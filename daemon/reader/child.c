@@ -63,7 +63,8 @@ static int do_stamps(child *c, const reader_request *r, reader_reply *reply, she
     shear_block block;
     shear_block_place(&block, shear_field_get_info(c->field), (int)c->map.capacity,
                       c->memory + c->map.psf_bytes + r->slot * c->map.slot_bytes);
-    const int code = shear_field_read(c->field, r->first, r->count, &block, err);
+    const int code = (r->op == READER_COLUMNS ? shear_field_read_columns : shear_field_read)(
+        c->field, r->first, r->count, &block, err);
     reply->n_psf = block.stamps.n_psf;
     return code;
 }
@@ -100,6 +101,7 @@ static int answer(child *c, const reader_request *r, reader_reply *reply) {
     case READER_PSF:
         return shear_field_read_psf(c->field, r->first, (double *)(void *)c->memory, err);
     case READER_STAMPS:
+    case READER_COLUMNS:
         return do_stamps(c, r, reply, err);
     case READER_HASH:
         return do_hash(c, reply, err);

@@ -175,11 +175,9 @@ int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *e
     return exchange_ask(r, &request, "read a PSF", &reply, err);
 }
 
-int reader_read(void *self, int slot, int64_t first, int count, const shear_block **block,
-                shear_error *err) {
-    reader *r = self;
-    const reader_request request = {
-        .op = READER_STAMPS, .slot = slot, .first = first, .count = count};
+static int read_block(reader *r, uint32_t op, int slot, int64_t first, int count,
+                      const shear_block **block, shear_error *err) {
+    const reader_request request = {.op = op, .slot = slot, .first = first, .count = count};
     reader_reply reply;
     assert(slot >= 0 && slot < r->slots && count >= 0 && count <= r->capacity);
     shear_block *b = &r->blocks[slot];
@@ -197,4 +195,13 @@ int reader_read(void *self, int slot, int64_t first, int count, const shear_bloc
     return reply.n_psf >= 0 && reply.n_psf <= count
                ? SHEAR_OK
                : exchange_give_up(r, READER_E_PROTOCOL, "read stamps", err);
+}
+
+int reader_read(void *self, int slot, int64_t first, int count, const shear_block **block,
+                shear_error *err) {
+    return read_block(self, READER_STAMPS, slot, first, count, block, err);
+}
+
+int reader_read_columns(reader *r, int64_t stamp, const shear_block **block, shear_error *err) {
+    return read_block(r, READER_COLUMNS, 0, stamp, 1, block, err);
 }

@@ -72,3 +72,5 @@ int reader_read_models(reader *r, const shear_psf_model **models, shear_error *e
  * This is a read function of shear_source. */
 int reader_read(void *r, int slot, int64_t first, int count, const shear_block **block,
                 shear_error *err);
+/* Read the columns of one stamp, without pixels. *block is valid until slot 0 is read. */
+int reader_read_columns(reader *r, int64_t stamp, const shear_block **block, shear_error *err);

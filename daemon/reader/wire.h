@@ -42,6 +42,7 @@ enum reader_op {
     READER_MODEL,    /* describe PSF model `first` -> model, without its samples */
     READER_PSF,      /* read PSF image `first` into the PSF area */
     READER_STAMPS,   /* read stamp pairs [first, first+count) into slot */
+    READER_COLUMNS,  /* the same without pixels, into slot 0 */
     READER_HASH      /* hash some more of the content -> hashed; at its end also checksum */
 };
 

@@ -191,10 +191,6 @@ static int check_source(const void *message, sheard_rpc_error *error) {
     if (is_exposure(&s) && any)
         return bad_source(error, SHEARD_RPC_BAD_PARAMETER, "exposure",
                           "contradicts separate images");
-    if ((s.stamp_nx != 0) != (s.stamp_ny != 0)) {
-        return bad_source(error, SHEARD_RPC_MISSING_PARAMETER,
-                          s.stamp_nx != 0 ? "stamp_ny" : "stamp_nx", "is missing");
-    }
     if (s.path != NULL)
         return SHEARD_RPC_OK;
     TRY(is_exposure(&s) ? check_exposure(&s.exposure, error) : check_images(parts, any, error));
@@ -209,7 +205,8 @@ shear_input sheard_source_input(const sheard_msg_source *source) {
     sheard_source_parts(&s, parts);
     for (int i = 0; i < SHEAR_N_PARTS; i++)
         input.parts[i] = (shear_input_part){parts[i]->path, parts[i]->extname, parts[i]->hdu};
-    input.mosaic = (shear_mosaic){(int)s.stamp_nx, (int)s.stamp_ny, s.stamps};
+    input.mosaic = (shear_mosaic){(int)(s.stamp_nx != 0 ? s.stamp_nx : s.stamp_ny),
+                                  (int)(s.stamp_ny != 0 ? s.stamp_ny : s.stamp_nx), s.stamps};
     for (int i = 0; i < N_OPTIONS && is_exposure(&s); i++)
         (void)set_option(&input.exposure, &s.exposure, i, NULL); /* checked before */
     if (input.parts[SHEAR_PART_NOISE].path != NULL && is_exposure(&s))

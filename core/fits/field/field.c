@@ -235,8 +235,10 @@ static int read_image(shear_field *field, int64_t index, double *out, shear_erro
     return sf_image_planes(&field_file_of(field)->psf, index, 1, out, err);
 }
 
-static const field_reader reader = {
-    .read = field_file_read, .read_psf = read_image, .close = close_file};
+static const field_reader reader = {.read = field_file_read,
+                                    .read_columns = field_file_read_columns,
+                                    .read_psf = read_image,
+                                    .close = close_file};
 
 int field_file_open(shear_field **field, const shear_input *input, const int *fds,
                     shear_error *err) {
@@ -290,8 +292,8 @@ int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_e
     return SHEAR_OK;
 }
 
-int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
-                     shear_error *err) {
+static int check_block(const shear_field *field, int64_t first, int count, shear_block *block,
+                       shear_error *err) {
     const int64_t n = field->info.n_stamps;
     if (count < 1 || count > block->capacity || first < 0 || first > n - count) {
         return shear_fail(
@@ -301,7 +303,19 @@ int shear_field_read(shear_field *field, int64_t first, int count, shear_block *
     }
     block->stamps.first = first;
     block->stamps.count = count;
+    return SHEAR_OK;
+}
+
+int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
+                     shear_error *err) {
+    TRY(check_block(field, first, count, block, err));
     return field->reader->read(field, first, count, block, err);
+}
+
+int shear_field_read_columns(shear_field *field, int64_t first, int count, shear_block *block,
+                             shear_error *err) {
+    TRY(check_block(field, first, count, block, err));
+    return field->reader->read_columns(field, first, count, block, err);
 }
 
 int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err) {

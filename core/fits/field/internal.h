@@ -20,6 +20,8 @@ static inline field_file *field_file_of(shear_field *field) {
     return (field_file *)field;
 }
 
-/* Read a block: one of the functions of a field_reader. */
+/* Read a block, and its columns alone: functions of a field_reader. */
+int field_file_read_columns(shear_field *field, int64_t first, int count, shear_block *block,
+                            shear_error *err);
 int field_file_read(shear_field *field, int64_t first, int count, shear_block *block,
                     shear_error *err);

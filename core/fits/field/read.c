@@ -46,10 +46,8 @@ static int read_psf_by_id(field_file *f, int64_t first, int count, shear_block *
 }
 
 static int read_psf(field_file *f, int64_t first, int count, shear_block *block, shear_error *err) {
-    const sf_column_def *id = &sf_column_defs[__builtin_ctz(SHEAR_COL_PSF_ID)];
     switch (f->base.info.psf_layout) {
-    case SHEAR_PSF_MODELS:
-        return sf_columns_read(&f->catalog, id, first, count, block->psf_index, err);
+
     case SHEAR_PSF_PER_STAMP:
         return read_psf_per_stamp(f, first, count, block, err);
     case SHEAR_PSF_BY_ID:
@@ -71,6 +69,15 @@ static int read_catalog(field_file *f, int64_t first, int count, shear_block *bl
     return SHEAR_OK;
 }
 
+int field_file_read_columns(shear_field *field, int64_t first, int count, shear_block *block,
+                            shear_error *err) {
+    field_file *f = field_file_of(field);
+    const sf_column_def *id = &sf_column_defs[__builtin_ctz(SHEAR_COL_PSF_ID)];
+    if (field->info.psf_layout == SHEAR_PSF_MODELS)
+        TRY(sf_columns_read(&f->catalog, id, first, count, block->psf_index, err));
+    return read_catalog(f, first, count, block, err);
+}
+
 int field_file_read(shear_field *field, int64_t first, int count, shear_block *block,
                     shear_error *err) {
     field_file *f = field_file_of(field);
@@ -78,5 +85,5 @@ int field_file_read(shear_field *field, int64_t first, int count, shear_block *b
     TRY(sf_stamps_read(&f->galaxy, first, count, block->galaxy, err));
     TRY(sf_stamps_read(&f->noise, planes * first, planes * count, block->noise, err));
     TRY(read_psf(f, first, count, block, err));
-    return read_catalog(f, first, count, block, err);
+    return field_file_read_columns(field, first, count, block, err);
 }

@@ -10,6 +10,9 @@
 typedef struct field_reader {
     /* Read pairs [first, first + count), which exist, into the block, which has room for them. */
     int (*read)(shear_field *field, int64_t first, int count, shear_block *block, shear_error *err);
+    /* Read all but pixels: the columns, and the numbers of PSFs that are models. */
+    int (*read_columns)(shear_field *field, int64_t first, int count, shear_block *block,
+                        shear_error *err);
     /* Read PSF image `index`, which exists. NULL: the PSFs are models. */
     int (*read_psf)(shear_field *field, int64_t index, double *out, shear_error *err);
     /* Close and free it. */

@@ -176,6 +176,10 @@ size_t shear_psf_bytes(const shear_field_info *info);
 int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
                      shear_error *err);
 
+/** The same without pixels: only the columns of the table, and which PSF model is whose. */
+int shear_field_read_columns(shear_field *field, int64_t first, int count, shear_block *block,
+                             shear_error *err);
+
 /** Read PSF image number `index`, from 0, into out[psf_ny][psf_nx]. Of models it is term index %
  * terms of model index / terms, in the lower left corner. */
 int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err);
