@@ -109,7 +109,7 @@ char *fx_sums(unsigned seed) {
     char *text = NULL;
     uint64_t state = seed;
     shear_block_sums_init(&block);
-    block.n_stamps = SHEAR_BLOCK;
+    block.n_stamps = block.framed[SHEAR_FRAME_PIXEL] = SHEAR_BLOCK;
     block.n_used = SHEAR_BLOCK - seed % 3;
     block.flagged[0] = seed % 3;
     for (int i = 0; i < SHEAR_N_TERMS; i++) {
