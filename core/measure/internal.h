@@ -10,15 +10,24 @@
 #include "measure/plateau.h"
 #include "measure/psf_basis.h"
 #include "measure/psf_direct.h"
+#include "measure/psf_sky.h"
 #include "measure/psf_transform.h"
 #include "measure/sharpness.h"
 #include "measure/surface.h"
 #include "measure/transfer.h"
 #include "shear/plan.h"
 
+/* A PSF model. */
+typedef struct plan_model {
+    shear_psf_model model; /* with samples of the plan's own */
+    psf_basis basis;       /* unless it lies along the sky's axes: ... */
+    psf_sky sky;           /* ... then this */
+} plan_model;
+
 struct shear_plan {
     shear_settings settings;
     shear_plan_info info;
+    bool needs_jacobians;        /* for the frame, or a PSF model */
     double pixel_scale;          /* arcsec; 0: not known */
     double unit;                 /* of the frame, per pixel: 1, or arcsec; and */
     double r_psf;                /* R_PSF in it */
@@ -33,10 +42,9 @@ struct shear_plan {
     double *power;               /* ... its |W|^2 */
     transfer transfer;           /* ... and its transfer, in the pixel frame */
     bool has_transfer;           /* which serves all stamps */
-    int n_bases;                 /* PSF models: ... */
-    psf_basis *bases;            /* ... [n_bases] on the modes of stamps, and ... */
-    shear_psf_model *models;     /* ... [n_bases] their samples, the plan's own; */
-    size_t model_size;           /* samples of the largest image */
+    int n_models;                /* PSF models: ... */
+    plan_model *models;          /* ... [n_models], and ... */
+    int model_nx, model_ny;      /* ... the longest sides of their images */
     sharpness suspicious;        /* a stamp that is as sharp as that is looked at closely */
     filter_pair filter;          /* if there is one, and it does not differ from stamp to stamp */
     high_band high;              /* the modes of the noise level */
@@ -50,6 +58,10 @@ struct shear_plan {
 /* Fill the tables of the models; look at the PSF of the request's typical galaxy, if it has one.
  * SHEAR_E_BETA, SHEAR_E_PSF, SHEAR_E_NOMEM. */
 int plan_models_fill(shear_plan *plan, const shear_plan_request *request, shear_error *err);
+/* Compute |W|^2 of a galaxy, as psf_basis_power and psf_sky_power do. */
+bool plan_model_power(const plan_model *m, psf_sky_scratch *scratch, const mode_plane *p,
+                      const target *aim, const double *jacobian, const double *terms,
+                      double *power);
 /* Count the bytes that plan_models_fill takes for a while. */
 void plan_models_scratch(const shear_plan *plan, const shear_plan_request *request, arena *a);
 
@@ -69,7 +81,7 @@ struct shear_workspace {
     filter_pair filter;      /* if it differs from stamp to stamp */
     psf_scratch psf_scratch; /* if each stamp has its own PSF image: by FFT ... */
     psf_direct direct;       /* ... or directly */
-    double *psf_image;       /* the samples of the stamp's PSF, from its model */
+    psf_sky_scratch psf_sky; /* the samples of the stamp's PSF, from its model */
     double *power;           /* |W|^2 of the stamp's own PSF */
     target target;           /* in a frame on the sky */
     transfer transfer;       /* unless the plan's serves all */

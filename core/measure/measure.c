@@ -108,11 +108,16 @@ static const sharpness *sharpness_of_model(const stamp_pair *s) {
     const int i = pair_transfer_model(s, &terms);
     if (i < 0)
         return NULL;
-    const shear_psf_model *m = &s->plan->models[i];
+    const shear_psf_model *m = &s->plan->models[i].model;
+    const psf_view image = {.psf = s->ws->psf_sky.image, .nx = m->nx, .ny = m->ny};
+    const bool sky = m->axes == SHEAR_PSF_AXES_SKY;
+    const double *j = sky ? s->stamps->jacobian + 4 * (size_t)s->i : NULL;
+    const double x[2] = {(sky ? j[0] : 1.0) / m->step, sky ? j[2] / m->step : 0.0};
+    const double y[2] = {sky ? j[1] / m->step : 0.0, (sky ? j[3] : 1.0) / m->step};
     if (m->axes == SHEAR_PSF_AXES_MODES)
         return s->plan->sharpness.ratio > 0.0 ? &s->plan->sharpness : NULL;
-    psf_model_sum(m->samples, m->terms, (size_t)m->nx * (size_t)m->ny, terms, s->ws->psf_image);
-    s->ws->sharpness = sharpness_of(s->ws->psf_image, m->nx, m->ny, 1.0 / m->step);
+    psf_model_sum(m->samples, m->terms, (size_t)m->nx * (size_t)m->ny, terms, s->ws->psf_sky.image);
+    s->ws->sharpness = sharpness_on_pixels(&image, x, y);
     return &s->ws->sharpness;
 }
 
@@ -122,7 +127,7 @@ static const sharpness *choose_sharpness(const stamp_pair *s) {
     const shear_geometry *g = &s->plan->info.geometry;
     if (s->plan->has_psf)
         return &s->plan->sharpness;
-    if (s->plan->n_bases > 0)
+    if (s->plan->n_models > 0)
         return sharpness_of_model(s);
     const double *psf = pair_transfer_image(s);
     if (psf == NULL)
@@ -276,8 +281,8 @@ static int measure_one(stamp_pair *s, shear_row *row, shear_error *err) {
 
 static int check_stamps(const shear_plan *plan, const shear_stamps *stamps, shear_error *err) {
     const shear_geometry *g = &plan->info.geometry;
-    if ((plan->n_bases > 0 && stamps->psf_terms == NULL) ||
-        (plan->info.frame != SHEAR_FRAME_PIXEL && stamps->jacobian == NULL)) {
+    if ((plan->n_models > 0 && stamps->psf_terms == NULL) ||
+        (plan->needs_jacobians && stamps->jacobian == NULL)) {
         return shear_fail(err, SHEAR_E_INTERNAL, "give psf_terms and jacobian",
                           "stamps without %s given to a plan that needs them",
                           stamps->jacobian == NULL ? "Jacobians" : "coefficients of the PSF");

@@ -15,16 +15,16 @@ const double *pair_transfer_image(const stamp_pair *s) {
 int pair_transfer_model(const stamp_pair *s, const double **terms) {
     const shear_plan *plan = s->plan;
     const int index = s->stamps->psf_index != NULL ? s->stamps->psf_index[s->i] : 0;
-    if (index < 0 || index >= plan->n_bases)
+    if (index < 0 || index >= plan->n_models)
         return -1;
-    *terms = s->stamps->psf_terms + (size_t)s->i * (size_t)plan->models[index].terms;
+    *terms = s->stamps->psf_terms + (size_t)s->i * (size_t)plan->models[index].model.terms;
     return index;
 }
 
 bool pair_transfer_has_psf(const stamp_pair *s) {
     const double *terms;
-    return s->plan->has_psf || (s->plan->n_bases > 0 ? pair_transfer_model(s, &terms) >= 0
-                                                     : pair_transfer_image(s) != NULL);
+    return s->plan->has_psf || (s->plan->n_models > 0 ? pair_transfer_model(s, &terms) >= 0
+                                                      : pair_transfer_image(s) != NULL);
 }
 
 /* Return |W|^2 of an image on all modes, transformed once for stamps that have it one after
@@ -45,11 +45,15 @@ static const double *power_of_image(const stamp_pair *s, const double *psf) {
 
 /* Return |W|^2 of the pair's model; NULL if it is unusable. */
 static const double *power_of_model(const stamp_pair *s, const target *aim) {
+    shear_workspace *ws = s->ws;
     const double *terms;
     const int i = pair_transfer_model(s, &terms);
-    return i >= 0 && psf_basis_power(&s->plan->bases[i], &s->plan->transfer_plan.plane, aim, terms,
-                                     s->ws->power)
-               ? s->ws->power
+    const double *jacobian =
+        s->stamps->jacobian != NULL ? s->stamps->jacobian + 4 * (size_t)s->i : NULL;
+    return i >= 0 &&
+                   plan_model_power(&s->plan->models[i], &ws->psf_sky,
+                                    &s->plan->transfer_plan.plane, aim, jacobian, terms, ws->power)
+               ? ws->power
                : NULL;
 }
 
@@ -57,7 +61,7 @@ static const double *power_of_model(const stamp_pair *s, const target *aim) {
 static const double *choose_power(const stamp_pair *s, const target *aim, const double *image) {
     if (s->plan->has_psf)
         return s->plan->power;
-    if (s->plan->n_bases > 0)
+    if (s->plan->n_models > 0)
         return power_of_model(s, aim);
     return image != NULL ? power_of_image(s, image) : NULL;
 }
@@ -79,7 +83,7 @@ static const target *choose_target(const stamp_pair *s) {
 static uint32_t make(stamp_pair *s) {
     shear_workspace *ws = s->ws;
     const bool pixel = s->plan->info.frame == SHEAR_FRAME_PIXEL;
-    const double *image = s->plan->n_bases == 0 ? pair_transfer_image(s) : NULL;
+    const double *image = s->plan->n_models == 0 ? pair_transfer_image(s) : NULL;
     if (pixel && image != NULL && image == ws->transfer_of)
         return 0;
     ws->transfer_of = NULL;

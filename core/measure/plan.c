@@ -19,7 +19,7 @@ static const double psf_rounding = 1e-4;
 static double side_of(const shear_plan *plan) {
     static const double margin = 1.3;
     const double side = fmin(plan->info.oversample, plan->psf_side);
-    return plan->n_bases == 0
+    return plan->n_models == 0
                ? side
                : fmin(side, margin / M_PI *
                                 target_farthest(plan->info.beta_px, plan->settings.psf_threshold));
@@ -51,29 +51,33 @@ static void place_waves(shear_plan *plan, arena *a) {
         psf_waves_fill(&plan->waves, p, 1.0 / g->psf_oversample, 0);
 }
 
-/* Place the models: their tables, and copies of their samples. */
+/* Place a model: its tables, and a copy of its samples. */
+static void place_model(plan_model *m, const mode_plane *p, const shear_psf_model *given,
+                        arena *a) {
+    const size_t samples = (size_t)given->terms * (size_t)given->nx * (size_t)given->ny;
+    double *copy = arena_doubles(a, samples);
+    if (copy != NULL)
+        memcpy(copy, given->samples, samples * sizeof *copy);
+    m->model = *given;
+    m->model.samples = copy;
+    if (given->axes == SHEAR_PSF_AXES_SKY) {
+        psf_sky_place(&m->sky, &m->model, a);
+    } else {
+        psf_basis_place(&m->basis, p, given->terms, given->axes == SHEAR_PSF_AXES_MODES ? 1 : 2, a);
+    }
+}
+
 static void place_models(shear_plan *plan, const shear_psf_model *models, arena *a) {
-    const size_t n = (size_t)plan->n_bases;
-    plan->bases = arena_take(a, n * sizeof *plan->bases);
-    plan->models = arena_take(a, n * sizeof *plan->models);
-    for (size_t i = 0; i < n; i++) {
-        psf_basis basis;
-        shear_psf_model model = models[i];
-        const size_t samples = (size_t)model.terms * (size_t)model.nx * (size_t)model.ny;
-        psf_basis_place(&basis, &plan->transfer_plan.plane, model.terms,
-                        model.axes == SHEAR_PSF_AXES_MODES ? 1 : 2, a);
-        double *copy = arena_doubles(a, samples);
-        model.samples = copy;
-        if (copy != NULL) {
-            memcpy(copy, models[i].samples, samples * sizeof *copy);
-            plan->bases[i] = basis;
-            plan->models[i] = model;
-        }
+    plan_model counted;
+    plan->models = arena_take(a, (size_t)plan->n_models * sizeof *plan->models);
+    for (int i = 0; i < plan->n_models; i++) {
+        plan_model *m = plan->models != NULL ? &plan->models[i] : &counted;
+        place_model(m, &plan->transfer_plan.plane, &models[i], a);
     }
 }
 
 static void place_psfs(shear_plan *plan, const shear_psf_model *models, arena *a) {
-    if (plan->n_bases > 0) {
+    if (plan->n_models > 0) {
         place_models(plan, models, a);
     } else if (plan->by_fft) {
         place_psf_transform(plan, a);
@@ -217,7 +221,7 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
     if (!make_tables(plan, request->models))
         return out_of_memory(err);
     TRY(plan->has_psf ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
-    if (plan->n_bases > 0)
+    if (plan->n_models > 0)
         TRY(plan_models_fill(plan, request, err));
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
     *out = CLEANUP_TAKE(plan);
@@ -234,7 +238,7 @@ int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, s
     place(&plan, request->models, &of_plan);
     if (plan.has_psf)
         image_scratch_place(&scratch, &plan, &of_planning);
-    if (plan.n_bases > 0)
+    if (plan.n_models > 0)
         plan_models_scratch(&plan, request, &of_planning);
     *memory = (shear_memory){.plan = shear_plan_bytes(&plan),
                              .planning = (int64_t)of_planning.used,

@@ -214,6 +214,7 @@ static int resolve_frame(shear_plan *plan, const shear_plan_request *request, sh
                           shear_frame_name(request->frame), unit);
     }
     plan->info.frame = request->frame;
+    plan->needs_jacobians = !pixel;
     plan->pixel_scale = request->pixel_scale;
     plan->unit = unit;
     plan->info.beta = plan->info.beta_px * unit;
@@ -236,19 +237,20 @@ static const char *model_fault(const shear_psf_model *m, int terms, const shear_
 
 /* Check the models, and find the coarsest of their samplings. */
 static int resolve_models(shear_plan *plan, const shear_plan_request *request, shear_error *err) {
-    plan->n_bases = request->n_models;
+    plan->n_models = request->n_models;
     plan->psf_side = INFINITY;
     for (int i = 0; i < request->n_models; i++) {
         const shear_psf_model *m = &request->models[i];
         const char *fault = model_fault(m, request->models[0].terms, &request->geometry);
         const double side = psf_model_sampling(m, plan->pixel_scale);
-        const size_t size = (size_t)m->nx * (size_t)m->ny;
         if (fault == NULL && (!(side > SHEAR_MIN_PSF_OVERSAMPLE) || !isfinite(side)))
             fault = "step";
         if (fault != NULL)
             return shear_fail(err, SHEAR_E_PSF, NULL, "PSF model %d: impossible %s", i, fault);
         plan->psf_side = fmin(plan->psf_side, side);
-        plan->model_size = size > plan->model_size ? size : plan->model_size;
+        plan->needs_jacobians = plan->needs_jacobians || m->axes == SHEAR_PSF_AXES_SKY;
+        plan->model_nx = m->nx > plan->model_nx ? m->nx : plan->model_nx;
+        plan->model_ny = m->ny > plan->model_ny ? m->ny : plan->model_ny;
     }
     plan->info.psf_oversample = plan->psf_side;
     return request->terms == NULL || (request->model >= 0 && request->model < request->n_models)

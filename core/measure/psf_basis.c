@@ -123,7 +123,7 @@ static bool normalise(const psf_basis *b, const double *c, double *scaled) {
         scaled[t] = c[t] / flux;
         finite = finite && isfinite(scaled[t]);
     }
-    return finite && flux > 0.0;
+    return finite && flux > 0.0 && isnormal(1.0 / flux);
 }
 
 bool psf_basis_power(const psf_basis *b, const mode_plane *p, const target *aim, const double *c,

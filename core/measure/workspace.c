@@ -24,11 +24,11 @@ static void place_transfer(shear_workspace *ws, const shear_plan *plan, arena *a
         target_place(&ws->target, p, true, a);
     if (!plan->has_psf)
         ws->power = arena_doubles(a, p->size);
-    if (plan->n_bases > 0)
-        ws->psf_image = arena_doubles(a, plan->model_size);
-    if (!plan->has_psf && plan->n_bases == 0 && plan->by_fft)
+    if (plan->n_models > 0)
+        psf_sky_scratch_place(&ws->psf_sky, plan->model_nx, plan->model_ny, a);
+    if (!plan->has_psf && plan->n_models == 0 && plan->by_fft)
         psf_scratch_place(&ws->psf_scratch, &plan->psf_transform, a);
-    if (!plan->has_psf && plan->n_bases == 0 && !plan->by_fft)
+    if (!plan->has_psf && plan->n_models == 0 && !plan->by_fft)
         psf_direct_place(&ws->direct, p, &plan->waves, a);
 }
 

@@ -14,15 +14,22 @@ void sky_scene_init(sky_scene *s, double scale, double angle, bool mirrored, dou
                      .jacobian = {u * (c * (1.0 + g1) - n * g2), u * (c * g2 - n * (1.0 - g1)),
                                   n * (1.0 + g1) + c * g2, n * g2 + c * (1.0 - g1)},
                      .shift_x = 0.3,
-                     .shift_y = -0.2,
-                     .step = 0.5};
+                     .shift_y = -0.2};
     sky_scene_draw(s);
+    sky_scene_draw_psf(s, 0.5, 0.17, 0.0);
 }
 
-/* Return the Gaussian on pixels: J^-1 C J^-T, with the flux kept. */
-static gaussian on_pixels(const sky_scene *s, const gaussian *g) {
+static double determinant(const double *j) {
+    return j[0] * j[3] - j[1] * j[2];
+}
+
+double sky_scene_pixel_scale(const sky_scene *s) {
+    return sqrt(fabs(determinant(s->jacobian)));
+}
+
+gaussian sky_scene_on_pixels(const sky_scene *s, const gaussian *g) {
     const double *j = s->jacobian;
-    const double det = j[0] * j[3] - j[1] * j[2];
+    const double det = determinant(j);
     const double a = j[3] / det;
     const double b = -j[1] / det;
     const double c = -j[2] / det;
@@ -35,53 +42,70 @@ static gaussian on_pixels(const sky_scene *s, const gaussian *g) {
 }
 
 void sky_scene_draw(sky_scene *s) {
-    gaussian g = on_pixels(s, &s->galaxy);
+    gaussian g = sky_scene_on_pixels(s, &s->galaxy);
     g.x0 = SCENE_SIDE / 2 + s->shift_x;
     g.y0 = SCENE_SIDE / 2 + s->shift_y;
     gaussian_draw(&g, SCENE_SIDE, SCENE_SIDE, 1, s->pixels);
-    gaussian p = on_pixels(s, &s->psf);
-    p.xx /= s->step * s->step; /* in samples */
-    p.xy /= s->step * s->step;
-    p.yy /= s->step * s->step;
-    p.x0 = p.y0 = 0.5 * (SCENE_PSF_SIDE - 1) + 0.17;
+}
+
+static void draw_samples(sky_scene *s, gaussian p, double step, double x, double y) {
+    p.xx /= step * step; /* in samples */
+    p.xy /= step * step;
+    p.yy /= step * step;
+    p.x0 = 0.5 * (SCENE_PSF_SIDE - 1) + x;
+    p.y0 = 0.5 * (SCENE_PSF_SIDE - 1) + y;
     gaussian_draw(&p, SCENE_PSF_SIDE, SCENE_PSF_SIDE, 1, s->samples);
 }
 
+void sky_scene_draw_psf(sky_scene *s, double step, double x, double y) {
+    draw_samples(s, sky_scene_on_pixels(s, &s->psf), step, x, y);
+}
+
+void sky_scene_draw_sky_psf(sky_scene *s, double step, double x, double y) {
+    draw_samples(s, s->psf, step, x, y);
+}
+
+static shear_plan_request request_of(const sky_scene *s, const sky_way *way,
+                                     const shear_settings *settings, const double *terms) {
+    shear_plan_request r = {.settings = settings,
+                            .geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
+                            .r_psf_px = 1.5,
+                            .frame = way->frame,
+                            .pixel_scale = sky_scene_pixel_scale(s)};
+    if (way->model != NULL) {
+        r.models = way->model;
+        r.n_models = 1;
+        r.terms = way->typical ? terms : NULL;
+    } else {
+        r.geometry.psf_nx = r.geometry.psf_ny = SCENE_PSF_SIDE;
+        r.geometry.psf_oversample = way->oversample;
+        r.psf = way->own_psf ? NULL : s->samples;
+    }
+    return r;
+}
+
 shear_row sky_scene_measure(const sky_scene *s, const sky_way *way, shear_plan_info *info) {
-    const double *j = s->jacobian;
-    const shear_psf_model model = {.nx = SCENE_PSF_SIDE,
-                                   .ny = SCENE_PSF_SIDE,
-                                   .terms = 1,
-                                   .step = s->step,
-                                   .samples = s->samples};
-    const double one = 0.37;
+    static const double one = 0.37;
+    const double *terms = way->terms != NULL ? way->terms : &one;
     shear_settings settings;
     shear_settings_init(&settings);
     settings.beta_px = way->beta_px;
     settings.filter = SHEAR_FILTER_NONE;
-    if (way->estimator != NULL)
+    if (way->estimator != NULL) {
         assert_int_equal(shear_settings_set(&settings, "estimator", way->estimator, NULL),
                          SHEAR_OK);
-    shear_plan_request request = {.settings = &settings,
-                                  .geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
-                                  .frame = way->frame,
-                                  .pixel_scale = sqrt(fabs(j[0] * j[3] - j[1] * j[2]))};
-    if (way->model) {
-        request.models = &model;
-        request.n_models = 1;
-        request.r_psf_px = 1.5;
-    } else {
-        request.geometry.psf_nx = request.geometry.psf_ny = SCENE_PSF_SIDE;
-        request.geometry.psf_oversample = (int)lround(1.0 / s->step);
-        request.psf = s->samples;
     }
+    const shear_plan_request request = request_of(s, way, &settings, terms);
     const shear_stamps stamps = {.count = 1,
                                  .nx = SCENE_SIDE,
                                  .ny = SCENE_SIDE,
                                  .galaxy = s->pixels,
                                  .noise = s->noise,
-                                 .jacobian = j,
-                                 .psf_terms = &one};
+                                 .jacobian = way->jacobian != NULL ? way->jacobian : s->jacobian,
+                                 .flags = &way->flags,
+                                 .n_psf = way->own_psf ? 1 : 0,
+                                 .psf = way->own_psf ? s->samples : NULL,
+                                 .psf_terms = terms};
     shear_error err = {0};
     shear_plan *plan;
     shear_workspace *ws;

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* PSFs that are linear in numbers of each galaxy, in all the ways that their samples may lie. */
+#include "pair.h"
+#include "sky_scene.h"
+#include "test.h"
+
+#include "measure/lanczos.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SAMPLES = SCENE_PSF_SIDE * SCENE_PSF_SIDE };
+
+static shear_psf_model model_of(const double *samples, double step) {
+    return (shear_psf_model){
+        .nx = SCENE_PSF_SIDE, .ny = SCENE_PSF_SIDE, .terms = 1, .step = step, .samples = samples};
+}
+
+/* A scene on pixels of an arcsec, of which R_PSF is about 1.5. */
+static void make(sky_scene *s) {
+    sky_scene_init(s, 1.0, 0.0, false, 0.0, 0.0);
+    s->galaxy = (gaussian){.amplitude = 7.0, .xx = 11.0, .yy = 8.0, .xy = -1.5};
+    s->psf = (gaussian){.amplitude = 1.0, .xx = 2.4, .yy = 2.0, .xy = 0.3};
+    sky_scene_draw(s);
+    sky_scene_draw_psf(s, 0.5, 0.1, -0.3);
+}
+
+static const double beta = 3.2;
+
+/* A model of one term is the image with as many samples. */
+static void test_one_term(void **state) {
+    (void)state;
+    static sky_scene s;
+    make(&s);
+    for (int q = 1; q <= 3; q++) {
+        sky_scene_draw_psf(&s, 1.0 / q, 0.1, -0.3);
+        const shear_psf_model model = model_of(s.samples, 1.0 / q);
+        const sky_way image = {.oversample = q, .beta_px = beta};
+        const sky_way of_model = {.model = &model, .beta_px = beta};
+        const shear_row a = sky_scene_measure(&s, &image, NULL);
+        const shear_row b = sky_scene_measure(&s, &of_model, NULL);
+        assert_rows_near(&b, &a, 1e-12);
+    }
+}
+
+/* Any step: what counts is the closed form. */
+static void test_any_step(void **state) {
+    (void)state;
+    static sky_scene s;
+    make(&s);
+    const shear_row exact = gaussian_row(&s.galaxy, &s.psf, beta);
+    for (double step = 0.3; step < 1.25; step += 0.137) {
+        sky_scene_draw_psf(&s, step, 0.1, -0.3);
+        const shear_psf_model model = model_of(s.samples, step);
+        const sky_way ways[] = {{.model = &model, .beta_px = beta},
+                                {.model = &model, .typical = true, .beta_px = beta},
+                                {.oversample = 1.0 / step, .beta_px = beta},
+                                {.oversample = 1.0 / step, .own_psf = true, .beta_px = beta}};
+        for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+            const shear_row row = sky_scene_measure(&s, &ways[i], NULL);
+            assert_int_equal(row.flags, 0);
+            assert_rows_near(&row, &exact, step < 1.0 ? 1e-9 : 1e-7);
+        }
+    }
+}
+
+/* The sum of terms is the PSF; its scale and the place of its peak do not matter. */
+static void test_linear(void **state) {
+    (void)state;
+    static sky_scene s;
+    static double planes[3 * SAMPLES];
+    make(&s);
+    const double sizes[3] = {1.0, 1.3, 0.8};
+    const double c[3] = {0.5, 0.3, -0.1};
+    const gaussian psf = s.psf;
+    for (int t = 0; t < 3; t++) {
+        s.psf.xx = psf.xx * sizes[t];
+        s.psf.xy = t * 0.1;
+        sky_scene_draw_psf(&s, 0.6, 0.2 * t, 0.0);
+        memcpy(planes + t * SAMPLES, s.samples, sizeof s.samples);
+    }
+    for (int i = 0; i < SAMPLES; i++)
+        s.samples[i] =
+            c[0] * planes[i] + c[1] * planes[SAMPLES + i] + c[2] * planes[2 * SAMPLES + i];
+    const shear_psf_model sum = model_of(s.samples, 0.6);
+    shear_psf_model three = model_of(planes, 0.6);
+    three.terms = 3;
+    sky_way way = {.model = &sum, .beta_px = beta};
+    const shear_row one = sky_scene_measure(&s, &way, NULL);
+    for (double scale = 1e-30; scale < 1e50; scale *= 1e20) {
+        const double scaled[3] = {scale * c[0], scale * c[1], scale * c[2]};
+        way = (sky_way){.model = &three, .terms = scaled, .beta_px = beta};
+        const shear_row row = sky_scene_measure(&s, &way, NULL);
+        assert_rows_near(&row, &one, 1e-12);
+    }
+}
+
+static void test_moved_peak(void **state) {
+    (void)state;
+    static sky_scene s;
+    make(&s);
+    const shear_row exact = gaussian_row(&s.galaxy, &s.psf, beta);
+    for (int i = 0; i < 5; i++) {
+        sky_scene_draw_psf(&s, 0.6, 1.3 * i, -2.1 * i);
+        const shear_psf_model model = model_of(s.samples, 0.6);
+        const sky_way way = {.model = &model, .beta_px = beta};
+        const shear_row row = sky_scene_measure(&s, &way, NULL);
+        assert_rows_near(&row, &exact, 1e-9);
+    }
+}
+
+/* Samples along the axes of the sky, on pixels that lie in any way. */
+static void test_sky_axes(void **state) {
+    (void)state;
+    static sky_scene s;
+    for (int i = 0; i < 6; i++) {
+        sky_scene_init(&s, 0.2 + 0.01 * i, 0.9 * i, i % 2 != 0, 0.02 * i, -0.015 * i);
+        const double scale = sky_scene_pixel_scale(&s);
+        const double beta_px = 0.6 / scale;
+        const gaussian g = sky_scene_on_pixels(&s, &s.galaxy);
+        const gaussian p = sky_scene_on_pixels(&s, &s.psf);
+        const shear_row on_sky = gaussian_row(&s.galaxy, &s.psf, 0.6);
+        const shear_row on_pixels = gaussian_row(&g, &p, beta_px);
+        sky_scene_draw_sky_psf(&s, 0.11, 0.3, 0.4);
+        shear_psf_model model = model_of(s.samples, 0.11);
+        model.axes = SHEAR_PSF_AXES_SKY;
+        for (int side = 0; side < 2; side++) { /* odd and even sides */
+            sky_way way = {.model = &model, .beta_px = beta_px, .typical = i % 3 == 0};
+            const shear_row pixel = sky_scene_measure(&s, &way, NULL);
+            way.frame = SHEAR_FRAME_SKY;
+            const shear_row sky = sky_scene_measure(&s, &way, NULL);
+            assert_rows_near(&pixel, &on_pixels, 1e-9);
+            assert_rows_near(&sky, &on_sky, 1e-9);
+            model.ny--; /* without the last row */
+        }
+    }
+}
+
+/* The kernel between the samples, along both kinds of axes. */
+static void test_lanczos(void **state) {
+    (void)state;
+    static sky_scene s;
+    make(&s);
+    sky_scene_draw_psf(&s, 0.6, 0.1, 0.2);
+    for (int n = 2; n <= 8; n++) {
+        shear_psf_model model = model_of(s.samples, 0.6);
+        model.lanczos = n;
+        sky_way way = {.model = &model, .beta_px = beta};
+        const shear_row pixel = sky_scene_measure(&s, &way, NULL);
+        model.axes = SHEAR_PSF_AXES_SKY;
+        const shear_row sky = sky_scene_measure(&s, &way, NULL);
+        assert_rows_near(&sky, &pixel, 1e-9);
+    }
+}
+
+/* The transform against a sum over many places. */
+static void test_lanczos_transform(void **state) {
+    (void)state;
+    enum { PLACES = 20000 };
+    for (int n = 1; n <= 8; n++) {
+        for (double w = 0.0; w < 7.0; w += 0.31) {
+            double at_w = 0.0;
+            double at_0 = 0.0;
+            for (int i = 0; i < PLACES; i++) {
+                const double t = n * (i + 0.5) / PLACES;
+                const double value = n * sin(M_PI * t) * sin(M_PI * t / n) / (t * t);
+                at_w += value * cos(w * t);
+                at_0 += value;
+            }
+            assert_near(lanczos_transform(n, w), at_w / at_0, 1e-7, 1.0, "transform");
+        }
+    }
+    assert_near(lanczos_transform(4, 0.0), 1.0, 1e-15, 1.0, "at 0");
+}
+
+/* |W|^2 itself, on the modes. */
+static void test_modes(void **state) {
+    (void)state;
+    static sky_scene s;
+    static double power[2 * SCENE_SIDE * SCENE_SIDE];
+    make(&s);
+    const shear_row exact = gaussian_row(&s.galaxy, &s.psf, beta);
+    const double u = 2.0 * M_PI / SCENE_SIDE;
+    for (int y = 0; y < SCENE_SIDE; y++) {
+        for (int x = 0; x < SCENE_SIDE; x++) {
+            const double kx = u * (x - SCENE_SIDE / 2);
+            const double ky = u * (y - SCENE_SIDE / 2);
+            const double q = s.psf.xx * kx * kx + 2.0 * s.psf.xy * kx * ky + s.psf.yy * ky * ky;
+            const size_t at = (size_t)y * SCENE_SIDE + (size_t)x;
+            power[at] = 3.0 * exp(-q) - 0.01 * exp(-0.5 * q);
+            power[SCENE_SIDE * SCENE_SIDE + at] = 0.02 * exp(-0.5 * q) - 1e-9;
+        }
+    }
+    const double c[2] = {2.0, 1.0};
+    const shear_psf_model model = {.nx = SCENE_SIDE,
+                                   .ny = SCENE_SIDE,
+                                   .terms = 2,
+                                   .axes = SHEAR_PSF_AXES_MODES,
+                                   .samples = power};
+    sky_way way = {.model = &model, .terms = c, .typical = true, .beta_px = beta};
+    shear_plan_info info;
+    const shear_row row = sky_scene_measure(&s, &way, &info);
+    assert_int_equal(row.flags, 0);
+    assert_rows_near(&row, &exact, 1e-6); /* the modes that are left out */
+    assert_true(info.k_cut > 2.5 && info.k_cut < 3.1);
+    double r;
+    shear_error err;
+    assert_int_equal(shear_psf_model_radius(&model, c, 1.0, &r, &err), SHEAR_OK);
+    assert_near(r, pow(s.psf.xx * s.psf.yy - s.psf.xy * s.psf.xy, 0.25), 1e-3, r, "R_PSF");
+}
+
+/* R_PSF and the rest of the quality depend on step and scale as they should. */
+static void test_quality(void **state) {
+    (void)state;
+    static sky_scene s;
+    shear_psf_quality q;
+    double r;
+    make(&s);
+    const double truth = pow(s.psf.xx * s.psf.yy - s.psf.xy * s.psf.xy, 0.25);
+    const double c = 0.2;
+    sky_scene_draw_psf(&s, 0.45, 0.0, 0.0);
+    shear_psf_model model = model_of(s.samples, 0.45);
+    assert_int_equal(shear_psf_model_examine(&q, &model, &c, 0.0, NULL), SHEAR_OK);
+    assert_near(q.r_psf_px, truth, 1e-3, truth, "R_PSF");
+    assert_near(q.sampling, truth / 0.45, 1e-3, q.sampling, "sampling");
+    model.axes = SHEAR_PSF_AXES_SKY; /* the step is in arcsec */
+    assert_int_equal(shear_psf_model_radius(&model, &c, 0.25, &r, NULL), SHEAR_OK);
+    assert_near(r, truth / 0.25, 1e-3, r, "R_PSF on the sky");
+    const double bad = NAN;
+    assert_int_equal(shear_psf_model_examine(&q, &model, &bad, 0.25, NULL), SHEAR_E_PSF);
+}
+
+/* Coefficients that make no PSF flag the stamp, and so does a number that is no model's. */
+static void test_bad_terms(void **state) {
+    (void)state;
+    static const double bad[][2] = {{NAN, 1.0},       {1.0, NAN},      {INFINITY, 1.0},
+                                    {0.0, 0.0},       {-1.0, 0.0},     {1e308, 1e308},
+                                    {1e-320, 1e-320}, {1e308, -1e308}, {1.0, -1.0}};
+    static sky_scene s;
+    static double planes[2 * SAMPLES];
+    make(&s);
+    memcpy(planes, s.samples, sizeof s.samples);
+    memcpy(planes + SAMPLES, s.samples, sizeof s.samples);
+    shear_psf_model model = model_of(planes, 0.5);
+    model.terms = 2;
+    for (int axes = SHEAR_PSF_AXES_PIXEL; axes <= SHEAR_PSF_AXES_SKY; axes++) {
+        model.axes = axes;
+        for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+            const sky_way way = {.model = &model, .terms = bad[i], .beta_px = beta};
+            assert_int_equal(sky_scene_measure(&s, &way, NULL).flags, SHEAR_FLAG_PSF_UNUSABLE);
+        }
+    }
+    const double good[2] = {1.0, 0.5};
+    const double jacobian[4] = {NAN, 0.0, 0.0, 1.0};
+    const sky_way way = {.model = &model, .terms = good, .beta_px = beta, .jacobian = jacobian};
+    assert_int_equal(sky_scene_measure(&s, &way, NULL).flags, SHEAR_FLAG_PSF_UNUSABLE);
+}
+
+/* A model whose PSF is too wide for beta: the plan fails if it knows, else the stamp is flagged. */
+static void test_beta(void **state) {
+    (void)state;
+    static sky_scene s;
+    make(&s);
+    const shear_psf_model model = model_of(s.samples, 0.5);
+    const double one = 1.0;
+    const sky_way way = {.model = &model, .terms = &one, .beta_px = 1.1};
+    assert_int_equal(sky_scene_measure(&s, &way, NULL).flags, SHEAR_FLAG_PSF_UNUSABLE);
+    shear_settings settings;
+    shear_settings_init(&settings);
+    settings.beta_px = 1.1;
+    const shear_plan_request request = {.settings = &settings,
+                                        .geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
+                                        .models = &model,
+                                        .n_models = 1,
+                                        .terms = &one,
+                                        .r_psf_px = 1.5};
+    shear_plan *plan;
+    shear_error err;
+    assert_int_equal(shear_plan_new(&plan, &request, &err), SHEAR_E_BETA);
+    assert_non_null(strstr(err.message, "smallest beta that works"));
+}
+
+/* The reader's flags are the row's, whose stamps are not looked at. */
+static void test_flags_of_the_reader(void **state) {
+    (void)state;
+    static sky_scene s;
+    make(&s);
+    const sky_way way = {
+        .oversample = 2.0, .beta_px = beta, .flags = SHEAR_FLAG_EDGE | SHEAR_FLAG_HOLE};
+    memset(s.pixels, 0, sizeof s.pixels);
+    const shear_row row = sky_scene_measure(&s, &way, NULL);
+    assert_int_equal(row.flags, SHEAR_FLAG_EDGE | SHEAR_FLAG_HOLE);
+    assert_true(isnan(row.d) && isnan(row.flux));
+}
+
+/* Impossible models are refused. */
+static void test_refused(void **state) {
+    (void)state;
+    static double samples[9];
+    const shear_psf_model good = {.nx = 3, .ny = 3, .terms = 1, .step = 0.5, .samples = samples};
+    shear_psf_model bad[9];
+    for (int i = 0; i < 9; i++)
+        bad[i] = good;
+    bad[0].terms = 0;
+    bad[1].terms = SHEAR_MAX_PSF_TERMS + 1;
+    bad[2].nx = 0;
+    bad[3].ny = 100000;
+    bad[4].step = NAN;
+    bad[5].step = 1e9;
+    bad[6].lanczos = -1;
+    bad[7].axes = SHEAR_PSF_AXES_MODES;
+    bad[8].axes = SHEAR_PSF_AXES_SKY; /* without a scale */
+    for (int i = 0; i < 9; i++) {
+        const shear_plan_request request = {.geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
+                                            .models = &bad[i],
+                                            .n_models = 1,
+                                            .r_psf_px = 1.5};
+        shear_plan *plan;
+        shear_error err;
+        assert_int_equal(shear_plan_new(&plan, &request, &err), SHEAR_E_PSF);
+        assert_non_null(strstr(err.message, "model 0"));
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_one_term),
+                                       cmocka_unit_test(test_any_step),
+                                       cmocka_unit_test(test_linear),
+                                       cmocka_unit_test(test_moved_peak),
+                                       cmocka_unit_test(test_sky_axes),
+                                       cmocka_unit_test(test_lanczos),
+                                       cmocka_unit_test(test_lanczos_transform),
+                                       cmocka_unit_test(test_modes),
+                                       cmocka_unit_test(test_quality),
+                                       cmocka_unit_test(test_bad_terms),
+                                       cmocka_unit_test(test_beta),
+                                       cmocka_unit_test(test_flags_of_the_reader),
+                                       cmocka_unit_test(test_refused)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
