@@ -63,8 +63,8 @@ class Survey(unittest.TestCase):
         directory = tempfile.TemporaryDirectory()
         cls.addClassCleanup(directory.cleanup)
         cls.directory = directory.name
-        options = ["--chips", f"{CHIPS}x1", "--chip-size", SIDE, "--galaxies", 15, "--stars", 5, "--fours", "--shear", f"{G1},{G2}",
-                   "--distortion", 0.04, "--rotation", 30, "--mirrored", "--seed", 5]
+        options = ["--chips", f"{CHIPS}x1", "--chip-size", SIDE, "--galaxies", 15, "--stars", 5, "--fours",
+                   "--shear", f"{G1},{G2}", "--distortion", 0.04, "--rotation", 30, "--mirrored", "--seed", 5]
         cls.run_ = subprocess.run([RUN, cls.directory, *map(str, options)], env={**os.environ, "SHEARCTL": SHEARCTL},
                                   capture_output=True, text=True, timeout=100 * PATIENCE, check=False)
         if cls.run_.returncode != 0:
@@ -110,12 +110,14 @@ class Survey(unittest.TestCase):
             keys, _ = keywords(models[chip])
             (planes,) = next(rows(models[chip], ["PSF_MASK"]))
             side, step = int(keys["PSFAXIS1"]), float(keys["PSF_SAMP"])
-            middle = min((row for row in stars if row[0] == chip), key=lambda row: math.hypot(row[1] - SIDE / 2, row[2] - SIDE / 2))
-            x, y = ((value - float(keys[f"POLZERO{i}"])) / float(keys[f"POLSCAL{i}"]) for i, value in ((1, middle[1]), (2, middle[2])))
+            middle = min((row for row in stars if row[0] == chip),
+                         key=lambda row: math.hypot(row[1] - SIDE / 2, row[2] - SIDE / 2))
+            x, y = ((middle[i] - float(keys[f"POLZERO{i}"])) / float(keys[f"POLSCAL{i}"]) for i in (1, 2))
             terms = (1.0, x, x * x, y, x * y, y * y)
             psf = [sum(t * planes[k * side * side + i] for k, t in enumerate(terms)) for i in range(side * side)]
             for kx, ky in ((0.3, 0.0), (0.0, 0.3), (0.4, 0.4), (0.4, -0.4)):
-                w = sum(value * cmath.exp(-1j * step * (kx * (i % side) + ky * (i // side))) for i, value in enumerate(psf))
+                w = sum(value * cmath.exp(-1j * step * (kx * (i % side) + ky * (i // side)))
+                        for i, value in enumerate(psf))
                 self.assertAlmostEqual(abs(w) / sum(psf) / self.drawn(kx, ky, *middle[3:]), 1.0, delta=0.02)
 
     @staticmethod
