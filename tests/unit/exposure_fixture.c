@@ -99,6 +99,6 @@ const char *exposure_shared(const char *name) {
     static int next;
     char *path = paths[next];
     next = (next + 1) % 8;
-    snprintf(path, sizeof paths[0], "%s/survey/%s", SHEARD_SHARED, name);
+    snprintf(path, sizeof paths[0], "%s/survey/%s", SHEAR_SHARED, name);
     return access(path, R_OK) == 0 ? path : NULL;
 }

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Exposures: images, masks, and their pixels. What needs real files is skipped where they are not.
-set(SHEARD_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "Folder whose folder survey/ has real exposures")
+set(SHEAR_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "folder with survey/, real files for the tests")
 
 function(survey_pixels_test name)
   shear_add_test(${name} SOURCES test_${name}.c exposure_fixture.c scarce.c LIBRARIES fits_fixtures Threads::Threads LABELS survey TIMEOUT 120)
-  target_compile_definitions(test_${name} PRIVATE SHEARD_SHARED="${SHEARD_SHARED}")
+  target_compile_definitions(test_${name} PRIVATE SHEAR_SHARED="${SHEAR_SHARED}")
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/core)
   target_link_options(test_${name} PRIVATE -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)
 endfunction()
