@@ -16,8 +16,8 @@ from fitsfile import image, primary
 SOURCE_DUMP = os.path.abspath(os.environ["SOURCE_DUMP"])
 SEXTRACTOR = shutil.which("source-extractor") or shutil.which("sex")
 SIDE = 128
-PARAMETERS = ("NUMBER EXT_NUMBER X_IMAGE Y_IMAGE FLUX_APER(3) A_IMAGE B_IMAGE THETA_IMAGE KRON_RADIUS FLUX_RADIUS FLAGS MAG_AUTO "
-              "VIGNET(5,5)")
+PARAMETERS = ("NUMBER EXT_NUMBER X_IMAGE Y_IMAGE FLUX_APER(3) A_IMAGE B_IMAGE THETA_IMAGE KRON_RADIUS FLUX_RADIUS FLAGS "
+              "MAG_AUTO VIGNET(5,5)")
 
 
 def chip(name, seed):
@@ -101,7 +101,8 @@ class Catalogs(unittest.TestCase):
 
     def test_select(self):
         select = "MAG_AUTO < -7.5 && (FLAGS & 4) == 0"
-        chosen, text = ([s[7] for table in self.dump(kind, select) for s in table[2]] for kind in ("FITS_LDAC", "ASCII_HEAD"))
+        chosen, text = ([s[7] for table in self.dump(kind, select) for s in table[2]]
+                        for kind in ("FITS_LDAC", "ASCII_HEAD"))
         self.assertTrue(0 < sum(chosen) < len(chosen))
         self.assertEqual(chosen, text)
 

@@ -3,8 +3,6 @@
 
 #include "base/cleanup.h"
 #include "base/io.h"
-#include "base/spelling.h"
-#include "base/text.h"
 #include "fits/io/bits.h"
 
 #include <assert.h>
@@ -241,24 +239,6 @@ int sf_table_shape(const sf_table *t, const sf_column *column, int64_t axes[SF_A
     return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct TDIMn or TFORMn",
                    "keyword %s is %s, but must give 1 to %d axes of %lld elements in all", key,
                    text, SF_AXES, (long long)column->repeat);
-}
-
-void sf_table_advise(const sf_table *t, const char *name, char *out, size_t size) {
-    spelling s = {.given = name};
-    for (int i = 0; i < t->n && name[0] != '\0'; i++)
-        spelling_consider(&s, t->columns[i].name);
-    text_set(out, size, "");
-    if (s.best != NULL)
-        text_append(out, size, "did you mean %s? ", s.best);
-    text_append(out, size, "columns:");
-    const char *before = "";
-    for (int i = 0; i < t->n; i++) {
-        if (t->columns[i].name[0] != '\0') {
-            text_append(out, size, "%s %s", before, t->columns[i].name);
-            before = ",";
-        }
-    }
-    sf_make_printable(out);
 }
 
 /* ---- rows, converted and scaled ---- */
