@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "psf_fixture.h"
+#include "scarce.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -92,6 +93,73 @@ void psf_fixture_samples(const psf_models *p, int i, const psf_place *place, dou
 void psf_fixture_near(double a, double b, double tolerance) {
     if (!(fabs(a - b) <= tolerance))
         fail_msg("%.15g is not %.15g within %g", a, b, tolerance);
+}
+
+/* Evaluate all models, whatever they are. */
+static void evaluate(const psf_models *p) {
+    const double contexts[8] = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0};
+    const psf_place place = {100.0, 200.0, 15.0, 60.0, contexts};
+    const char *const *names = NULL;
+    for (int i = 0; i < psf_models_count(p); i++) {
+        const shear_psf_model *m = psf_models_get(p, i);
+        double *c = calloc((size_t)m->terms, sizeof *c);
+        double sum = 0.0;
+        assert_non_null(c);
+        assert_true(m->terms == psf_models_get(p, 0)->terms);
+        psf_models_terms(p, i, &place, c);
+        for (int64_t k = 0; k < (int64_t)m->terms * m->nx * m->ny; k++)
+            sum += c[k / m->nx / m->ny] * m->samples[k];
+        assert_true(sum != 0.1 && psf_models_contexts(p, i, &names) <= 8);
+        assert_true(strlen(psf_models_text(p, i)) > 0);
+        free(c);
+    }
+}
+
+void psf_fixture_spoil(const char *path, int rounds) {
+    const shear_input_part part = {.path = fixture_path("spoilt.fits"), .hdu = -1};
+    size_t size = 0;
+    unsigned char *bytes = fixture_load(path, &size);
+    uint64_t random = 12345;
+    for (int round = 0; round < rounds; round++) {
+        unsigned char saved[4];
+        size_t at[4];
+        psf_models *p = NULL;
+        shear_error err = {0};
+        for (int i = 0; i < 4; i++) {
+            random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+            at[i] = (random >> 20) % size;
+            saved[i] = bytes[at[i]];
+            if (i <= round % 4)
+                bytes[at[i]] = (unsigned char)((random >> 56) % 4 == 0 ? random >> 48
+                                                                       : '-' + (random >> 48) % 14);
+        }
+        fixture_save(part.path, bytes, size);
+        if (psf_models_open(&p, &part, -1, SHEAR_PSF_KIND_AUTO, 16, &err) == SHEAR_OK) {
+            evaluate(p);
+        } else {
+            assert_true(p == NULL && err.message[0] != '\0');
+        }
+        psf_models_close(p);
+        for (int i = 3; i >= 0; i--)
+            bytes[at[i]] = saved[i];
+    }
+    free(bytes);
+}
+
+void psf_fixture_starve(const char *path) {
+    const shear_input_part part = {.path = path, .hdu = -1};
+    for (long n = 1;; n++) {
+        psf_models *p = NULL;
+        shear_error err = {0};
+        scarce_after(n, false);
+        const int code = psf_models_open(&p, &part, -1, SHEAR_PSF_KIND_AUTO, 16, &err);
+        const bool refused = scarce_end();
+        assert_int_equal(code, refused ? SHEAR_E_NOMEM : SHEAR_OK);
+        assert_true((p == NULL) == refused);
+        psf_models_close(p);
+        if (!refused)
+            return;
+    }
 }
 
 const char *psf_fixture_real(const char *name) {

@@ -27,6 +27,13 @@ void psf_fixture_samples(const psf_models *p, int i, const psf_place *place, dou
 /* Fail unless |a - b| <= tolerance. */
 void psf_fixture_near(double a, double b, double tolerance);
 
+/* Open copies of a file, each with a few wrong bytes, `rounds` times: an error, or a model that can
+ * be evaluated. */
+void psf_fixture_spoil(const char *path, int rounds);
+
+/* Open the file with the n-th allocation failing, for all n. */
+void psf_fixture_starve(const char *path);
+
 /* Return the path of a file of real survey data, or NULL: there are none on this machine. */
 const char *psf_fixture_real(const char *name);
 /* Read the image in HDU `hdu` (1 = primary): [*ny][*nx], for the caller to free. */

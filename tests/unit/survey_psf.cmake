@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # PSF models of exposures. Real files of surveys are compared with where there are any: they are no part of this tree.
 set(SHEAR_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "folder with survey/, real files for the tests")
-add_library(psf_fixtures STATIC psf_fixture.c)
+# Objects, not an archive, so that the linker takes malloc of scarce.c.
+add_library(psf_fixtures OBJECT psf_fixture.c scarce.c)
 target_link_libraries(psf_fixtures PUBLIC fits_fixtures)
 target_include_directories(psf_fixtures PUBLIC ${PROJECT_SOURCE_DIR}/core)
+target_link_options(psf_fixtures PUBLIC -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)
 target_compile_definitions(psf_fixtures PRIVATE SHEAR_SHARED="${SHEAR_SHARED}")
 
 function(survey_psf_test name)

@@ -198,11 +198,22 @@ static void test_sky_image(void **state) {
                        "2000 x 30", END);
 }
 
+static void test_robust(void **state) {
+    (void)state;
+    fill_images(3);
+    const char *path = write_cube(3, "X", "Y", NULL);
+    psf_fixture_spoil(path, 400);
+    psf_fixture_starve(path);
+    fill_images(MANY);
+    psf_fixture_starve(write_cube(MANY, "X", "Y", NULL));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one),     cmocka_unit_test(test_nearest),
-        cmocka_unit_test(test_many),    cmocka_unit_test(test_line),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_sky_image),
+        cmocka_unit_test(test_robust),    cmocka_unit_test(test_one),
+        cmocka_unit_test(test_nearest),   cmocka_unit_test(test_many),
+        cmocka_unit_test(test_line),      cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_sky_image),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

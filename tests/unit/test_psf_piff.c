@@ -31,7 +31,8 @@ typedef struct piff_file {
     const char *order_form;
     double max_order; /* negative: no such column */
     const char *q_form, *q_dim;
-    bool pointing, stars;
+    bool pointing;
+    int stars;
 } piff_file;
 
 static const double two[] = {2.0, 2.0};
@@ -44,7 +45,7 @@ static const piff_file good = {.model = "PixelGrid",
                                .q_form = "150D",
                                .q_dim = "(6,25)",
                                .pointing = true,
-                               .stars = true};
+                               .stars = 6};
 
 static void append_model(fitsfile *f, const char *prefix, const piff_file *p) {
     static const double size = SIZE;
@@ -75,7 +76,7 @@ static void append_stars(fitsfile *f, const char *prefix, const piff_file *p) {
     static const double ra = 1.0;
     static const double dec = 60.0;
     static const double chisq[] = {130.0, 100.0};
-    static const double range[] = {-100.0, 100.0, 3.0};
+    static const double range[] = {-100.0, 100.0, 3.0, 4.0, 5.0, 6.0};
     char name[40];
     const psf_fixture_column wcs[] = {{"wcs_str_0000", "8A", NULL, NULL, "gASVAAA="},
                                       {p->pointing ? "ra" : NULL, "D", NULL, &ra, NULL},
@@ -93,8 +94,8 @@ static void append_stars(fitsfile *f, const char *prefix, const piff_file *p) {
                                         {"colour", "D", NULL, range, NULL},
                                         {0}};
     snprintf(name, sizeof name, "%s_stars", prefix);
-    if (p->stars)
-        psf_fixture_table(f, name, 3, stars);
+    if (p->stars > 0)
+        psf_fixture_table(f, name, p->stars, stars);
 }
 
 static const char *path_of(void) {
@@ -139,7 +140,7 @@ static void test_grid(void **state) {
     const shear_psf_model *m = psf_models_get(p, 0);
     const char *const *names = NULL;
     assert_string_equal(psf_models_text(p, 0), "Piff, PixelGrid 5 x 5 of 0.26 arcsec, degree 2 in "
-                                               "u, v, 3 stars, chi2/dof 1.30");
+                                               "u, v, 6 stars, chi2/dof 1.30");
     assert_true(m->axes == SHEAR_PSF_AXES_SKY && m->step == scale && m->lanczos == 7);
     assert_true(m->terms == TERMS && m->nx == SIZE && m->ny == SIZE);
     assert_int_equal(psf_models_contexts(p, 0, &names), 0);
@@ -246,7 +247,8 @@ static void test_constant(void **state) {
     f.order = &none;
     f.q_form = "25D";
     f.q_dim = NULL;
-    f.pointing = f.stars = false;
+    f.pointing = false;
+    f.stars = 0;
     psf_models *p = psf_fixture_open(write_simple(&f), SHEAR_PSF_KIND_AUTO, 32);
     assert_true(psf_models_terms(p, 0, &(psf_place){NAN, NAN, NAN, NAN, NULL}, &c) && c == 1.0);
     psf_models_close(p);
@@ -254,7 +256,7 @@ static void test_constant(void **state) {
 
 static void write_chips(const char *type) {
     static const double numbers[] = {3.0, 61.0};
-    const psf_fixture_column psf[] = {{"type", "20A", NULL, NULL, "SingleChipPSF"}, {0}};
+    const psf_fixture_column psf[] = {{"type", "20A", NULL, NULL, "SingleChip"}, {0}};
     const psf_fixture_column chips[] = {{"chipnums", "K", NULL, numbers, NULL}, {0}};
     const psf_fixture_column simple[] = {{"type", "20A", NULL, NULL, type}, {0}};
     fitsfile *f = fixture_create(path_of());
@@ -300,6 +302,9 @@ static void test_refused(void **state) {
     f.kernel = "Lanczos(99999999999999999999)";
     refuse(&f, SHEAR_E_PSF, "Lanczos(99999");
     f = good;
+    f.stars = 5;
+    refuse(&f, SHEAR_E_PSF, "fewer stars");
+    f = good;
     f.pointing = false;
     refuse(&f, SHEAR_E_PSF, "no pointing");
     f = good;
@@ -324,7 +329,7 @@ static void test_refused(void **state) {
     refuse(&f, SHEAR_E_FORMAT, "23 parameters");
     f = good;
     q[7] = NAN;
-    refuse(&f, SHEAR_E_FORMAT, "not finite");
+    refuse(&f, SHEAR_E_PSF, "not finite");
     fill_solution();
     q[PLANE / 2 * TERMS] = -40.0;
     refuse(&f, SHEAR_E_PSF, "flux is not positive");
@@ -340,6 +345,13 @@ static void test_missing_tables(void **state) {
         fixture_patch(path_of(), tables[i], "EXTNAME", "'ELSE'");
         psf_fixture_refuse(path_of(), SHEAR_PSF_KIND_AUTO, SHEAR_E_FORMAT, tables[i], END);
     }
+}
+
+static void test_robust(void **state) {
+    (void)state;
+    const char *path = write_simple(&good);
+    psf_fixture_spoil(path, 400);
+    psf_fixture_starve(path);
 }
 
 /* ---- real files ---- */
@@ -417,11 +429,11 @@ static int setup(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grid),           cmocka_unit_test(test_old_grids),
-        cmocka_unit_test(test_keys),           cmocka_unit_test(test_constant),
-        cmocka_unit_test(test_chips),          cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_missing_tables), cmocka_unit_test(test_real_parameters),
-        cmocka_unit_test(test_real_files),
+        cmocka_unit_test(test_robust),          cmocka_unit_test(test_grid),
+        cmocka_unit_test(test_old_grids),       cmocka_unit_test(test_keys),
+        cmocka_unit_test(test_constant),        cmocka_unit_test(test_chips),
+        cmocka_unit_test(test_refused),         cmocka_unit_test(test_missing_tables),
+        cmocka_unit_test(test_real_parameters), cmocka_unit_test(test_real_files),
     };
     return cmocka_run_group_tests(tests, setup, fixture_teardown);
 }

@@ -205,6 +205,7 @@ static void test_bad_keywords(void **state) {
         int code;
         const char *word;
     } cases[] = {{"ACCEPTED", "0", SHEAR_E_PSF, "accepted no star"},
+                 {"ACCEPTED", "11", SHEAR_E_PSF, "fewer stars"},
                  {"PSF_SAMP", "0.0", SHEAR_E_PSF, "PSF_SAMP"},
                  {"PSF_SAMP", "-1.0", SHEAR_E_PSF, "PSF_SAMP"},
                  {"PSF_SAMP", "1E300", SHEAR_E_PSF, "PSF_SAMP"},
@@ -242,12 +243,19 @@ static void test_bad_samples(void **state) {
     (void)state;
     const double before = planes[3];
     planes[3] = NAN;
-    psf_fixture_refuse(model("35E", "(7,5)", constant), SHEAR_PSF_KIND_AUTO, SHEAR_E_FORMAT,
-                       "PSF_MASK", "not finite", END);
+    psf_fixture_refuse(model("35E", "(7,5)", constant), SHEAR_PSF_KIND_AUTO, SHEAR_E_PSF,
+                       "not finite", END);
     planes[3] = -1e6;
     psf_fixture_refuse(model("35E", "(7,5)", constant), SHEAR_PSF_KIND_AUTO, SHEAR_E_PSF,
                        "flux is not positive", END);
     planes[3] = before;
+}
+
+static void test_robust(void **state) {
+    (void)state;
+    const char *path = model("420E", "(7,5,12)", three);
+    psf_fixture_spoil(path, 400);
+    psf_fixture_starve(path);
 }
 
 /* ---- files of PSFEx itself ---- */
@@ -378,11 +386,12 @@ static int setup(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_groups),      cmocka_unit_test(test_reach),
-        cmocka_unit_test(test_constant),    cmocka_unit_test(test_chips),
-        cmocka_unit_test(test_rows),        cmocka_unit_test(test_bad_keywords),
-        cmocka_unit_test(test_bad_samples), cmocka_unit_test(test_snapshots),
-        cmocka_unit_test(test_evaluated),   cmocka_unit_test(test_legacy_survey),
+        cmocka_unit_test(test_robust),        cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_reach),         cmocka_unit_test(test_constant),
+        cmocka_unit_test(test_chips),         cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_bad_keywords),  cmocka_unit_test(test_bad_samples),
+        cmocka_unit_test(test_snapshots),     cmocka_unit_test(test_evaluated),
+        cmocka_unit_test(test_legacy_survey),
     };
     return cmocka_run_group_tests(tests, setup, fixture_teardown);
 }

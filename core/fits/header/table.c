@@ -370,6 +370,7 @@ int sf_table_cell(const sf_table *t, const sf_column *column, int64_t row, doubl
     unsigned char buffer[BUFFER] = {0};
     sf_column element = *column;
     element.width = width_of(column->type);
+    assert(element.width > 0 && out != NULL);
     const sink s = {.column = &element, .doubles = out};
     const int64_t many = BUFFER / element.width;
     for (int64_t done = 0; done < column->repeat;) {

@@ -50,6 +50,21 @@ void psf_chip_tangent(const psf_chip *c, double ra, double dec, double *u, doubl
     *v = r * (cos(d0) * sin(d) - sin(d0) * cos(d) * cos(a));
 }
 
+const char *psf_chip_failure(const psf_chip *c) {
+    double u[POLYNOMIAL_VARIABLES] = {0};
+    double t[POLYNOMIAL_TERMS];
+    double flux = 0.0;
+    const size_t plane = (size_t)c->model.nx * (size_t)c->model.ny;
+    for (int i = 0; i < c->terms.variables; i++)
+        u[i] = (c->variables[i].middle - c->variables[i].zero) / c->variables[i].scale;
+    polynomial_terms(&c->terms, u, t);
+    for (size_t i = 0; i < plane * (size_t)c->model.terms; i++)
+        flux += isfinite(c->samples[i]) ? t[i / plane] * c->samples[i] : NAN;
+    if (!isfinite(flux))
+        return "its samples are not finite";
+    return flux > 0.0 ? NULL : "its flux is not positive";
+}
+
 /* Append "2 in X_IMAGE, Y_IMAGE" for a group of variables. Return whether it has any. */
 static bool describe_group(psf_chip *c, int group, const char *before) {
     char names[POLYNOMIAL_VARIABLES * SF_NAME] = "";

@@ -70,5 +70,9 @@ void psf_chip_set_variable(psf_chip *c, int variable, const char *name);
  * degrees. */
 void psf_chip_tangent(const psf_chip *c, double ra, double dec, double *u, double *v);
 
+/* Return why the samples cannot be used, or NULL: not finite, or without flux in the middle of the
+ * range of the variables. */
+const char *psf_chip_failure(const psf_chip *c);
+
 /* Append to the text: ", degree 2 in X_IMAGE, Y_IMAGE", or ", constant". */
 void psf_chip_describe(psf_chip *c);

@@ -202,20 +202,6 @@ static int read_chi2(double *chi2, const psf_models *p, const char *prefix, shea
 
 /* ---- models ---- */
 
-/* Return the flux in the middle of the stars. */
-static double flux_of(const psf_chip *c) {
-    double u[POLYNOMIAL_VARIABLES] = {0};
-    double t[POLYNOMIAL_TERMS];
-    double flux = 0.0;
-    const size_t plane = (size_t)c->model.nx * (size_t)c->model.ny;
-    for (int i = 0; i < c->terms.variables; i++)
-        u[i] = c->variables[i].middle;
-    polynomial_terms(&c->terms, u, t);
-    for (size_t i = 0; i < plane * (size_t)c->model.terms; i++)
-        flux += t[i / plane] * c->samples[i];
-    return flux;
-}
-
 static void describe(psf_chip *c, const piff_keys *k, int64_t n_stars, double chi2) {
     char names[POLYNOMIAL_VARIABLES * SF_NAME] = "";
     for (int i = 0; i < k->n; i++)
@@ -230,14 +216,15 @@ static void describe(psf_chip *c, const piff_keys *k, int64_t n_stars, double ch
         text_append(c->text, sizeof c->text, ", chi2/dof %.2f", chi2);
 }
 
-static void note_failure(psf_chip *c, double chi2) {
-    const char *why = chi2 > worst_chi2     ? "it does not describe its stars (chisq)"
-                      : !(flux_of(c) > 0.0) ? "its flux is not positive"
-                                            : NULL;
+static void note_failure(psf_chip *c, int64_t n_stars, double chi2) {
+    const char *why = chi2 > worst_chi2 ? "it does not describe its stars (chisq)"
+                      : n_stars > 0 && n_stars < c->model.terms
+                          ? "fewer stars than terms of the polynomial"
+                          : psf_chip_failure(c);
     c->failed = why != NULL;
     if (c->failed) {
-        text_set(c->text, sizeof c->text, "");
-        text_append(c->text, sizeof c->text, "Piff, failed: %s", why);
+        text_set(c->text, sizeof c->text, "Piff, failed: ");
+        text_append(c->text, sizeof c->text, "%s", why);
     }
 }
 
@@ -261,8 +248,22 @@ static int read_simple(psf_models *p, const char *prefix, shear_error *err) {
     TRY(read_surroundings(c, p, prefix, &n_stars, err));
     TRY(read_chi2(&chi2, p, prefix, err));
     describe(c, &keys, n_stars, chi2);
-    note_failure(c, chi2);
+    note_failure(c, n_stars, chi2);
     return SHEAR_OK;
+}
+
+/* Read the type of a PSF, whose ending "PSF" newer files leave out. */
+static int read_type(const psf_record *r, char type[SF_NAME], shear_error *err) {
+    TRY(psf_record_text(r, "type", type, SF_NAME, err));
+    if (text_ends_with(type, "PSF"))
+        type[strlen(type) - 3] = '\0';
+    return SHEAR_OK;
+}
+
+static int check_simple(const psf_record *r, shear_error *err) {
+    char type[SF_NAME];
+    TRY(read_type(r, type, err));
+    return strcmp(type, "Simple") == 0 ? SHEAR_OK : check_type(r, "SimplePSF", "the PSF", err);
 }
 
 /* Read a model per chip: psf_1, psf_2, ..., whose numbers are in the table psf_chipnums. */
@@ -278,7 +279,7 @@ static int read_chips(psf_models *p, shear_error *err) {
         snprintf(number, sizeof number, "%d", chip);
         snprintf(prefix, sizeof prefix, "psf_%d", chip);
         TRY(need_table(&one, p, "psf", number, err));
-        TRY(check_type(&one, "SimplePSF", "the PSF of a chip", err));
+        TRY(check_simple(&one, err));
         TRY(read_simple(p, prefix, err));
     }
     return SHEAR_OK;
@@ -290,11 +291,11 @@ int piff_read(psf_models *p, shear_error *err) {
     bool there = false;
     TRY(open_table(&r, p, "psf", "", &there, err));
     if (there)
-        TRY(psf_record_text(&r, "type", type, sizeof type, err));
+        TRY(read_type(&r, type, err));
     if (type[0] == '\0')
         return SHEAR_OK;
-    if (strcmp(type, "SingleChipPSF") == 0)
+    if (strcmp(type, "SingleChip") == 0)
         return read_chips(p, err);
-    TRY(check_type(&r, "SimplePSF", "the PSF", err));
+    TRY(check_simple(&r, err));
     return read_simple(p, "psf", err);
 }

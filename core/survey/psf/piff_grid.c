@@ -103,7 +103,8 @@ static int check_shape(const psf_chip *c, const psf_record *solution, int64_t ax
         axes[1] = axes[0];
         axes[0] = 1;
     }
-    if (axes[2] == 1 && axes[0] == terms && left_out((int64_t)size * size, axes[1]) >= 0)
+    if (axes[2] == 1 && axes[0] == terms && terms <= POLYNOMIAL_TERMS &&
+        left_out((int64_t)size * size, axes[1]) >= 0)
         return SHEAR_OK;
     snprintf(
         what, sizeof what,

@@ -102,9 +102,10 @@ static int finish(psf_models *p, shear_error *err) {
                        "make the PSF model again, with more or brighter stars",
                        "no PSF model can be used: %s", p->chips[0].text);
     }
-    for (int i = 0; i < p->n; i++)
-        terms =
-            p->chips[i].failed || p->chips[i].model.terms < terms ? terms : p->chips[i].model.terms;
+    for (int i = 0; i < p->n; i++) {
+        if (!p->chips[i].failed && p->chips[i].model.terms > terms)
+            terms = p->chips[i].model.terms;
+    }
     for (int i = 0; i < p->n; i++) {
         psf_chip *c = &p->chips[i];
         if (!c->failed && c->model.terms < terms && !pad(c, terms))

@@ -121,7 +121,7 @@ static int check_shape(const psf_chip *c, const psf_record *r, const int64_t axe
                  (long long)axes[0], (long long)axes[1], PSF_SIDE, PSF_SIDE);
         return psf_record_fail(r, "PSF_MASK", what, err);
     }
-    if (axes[2] != terms) {
+    if (axes[2] != terms || terms > POLYNOMIAL_TERMS) {
         snprintf(what, sizeof what,
                  "has %lld planes, but its polynomial (POLDEGn, POLGRPn) has %d%s",
                  (long long)axes[2], terms > POLYNOMIAL_TERMS ? POLYNOMIAL_TERMS : terms,
@@ -161,17 +161,19 @@ static int read_fit(psfex_fit *f, const psf_record *r, shear_error *err) {
     return isnan(f->samp) ? psf_record_fail(r, "PSF_SAMP", "is missing", err) : SHEAR_OK;
 }
 
-/* Return why the model cannot be used, or NULL. */
-static const char *failure(const psfex_fit *f, const psf_chip *c) {
-    double sum = 0.0;
-    const int n = c->model.nx * c->model.ny;
-    for (int i = 0; i < n; i++)
-        sum += c->samples[i];
+/* Return why there is no model, or NULL. */
+static const char *failure_of_fit(const psfex_fit *f) {
     return f->accepted == 0                       ? "PSFEx accepted no star (ACCEPTED is 0)"
            : !(f->samp > 0.01 && f->samp < 100.0) ? "its sampling step (PSF_SAMP) is out of range"
            : f->chi2 > worst_chi2 ? "it does not describe its stars (CHI2 above 100)"
-           : !(sum > 0.0)         ? "its flux is not positive"
                                   : NULL;
+}
+
+/* Return why the model cannot be used, or NULL. */
+static const char *failure_of_model(const psfex_fit *f, const psf_chip *c) {
+    if (f->accepted >= 0 && f->accepted < c->model.terms)
+        return "fewer stars (ACCEPTED) than terms of the polynomial";
+    return psf_chip_failure(c);
 }
 
 static void describe(psf_chip *c, const psfex_fit *f) {
@@ -190,20 +192,27 @@ static void describe(psf_chip *c, const psfex_fit *f) {
 
 /* ---- models ---- */
 
+static void note_failure(psf_chip *c, const char *why) {
+    c->failed = true;
+    text_append(c->text, sizeof c->text, "PSFEx, failed: %s", why);
+}
+
 static int read_model(psf_chip *c, const psf_record *r, shear_error *err) {
     psfex_fit fit;
     TRY(psf_record_text(r, "CCDNAME", c->name, sizeof c->name, err));
     TRY(read_fit(&fit, r, err));
-    TRY(read_polynomial(c, r, err));
-    TRY(read_samples(c, r, err));
-    const char *why = failure(&fit, c);
-    c->failed = why != NULL;
-    if (c->failed) {
-        text_append(c->text, sizeof c->text, "PSFEx, failed: %s", why);
-        return SHEAR_OK;
+    const char *why = failure_of_fit(&fit);
+    if (why == NULL) {
+        TRY(read_polynomial(c, r, err));
+        TRY(read_samples(c, r, err));
+        c->model.step = fit.samp;
+        why = failure_of_model(&fit, c);
     }
-    c->model.step = fit.samp;
-    describe(c, &fit);
+    if (why != NULL) {
+        note_failure(c, why);
+    } else {
+        describe(c, &fit);
+    }
     return SHEAR_OK;
 }
 

@@ -98,10 +98,6 @@ int psf_record_array(const psf_record *r, const char *name, int64_t axes[SF_AXES
     if (v == NULL)
         return sf_fail_memory(err, r->cards.at);
     TRY(sf_table_cell(&r->table, column, r->row, v, err));
-    for (int64_t i = 0; i < column->repeat; i++) {
-        if (!isfinite(v[i]))
-            return psf_record_fail(r, name, "has a number that is not finite", err);
-    }
     *values = CLEANUP_TAKE(v);
     return SHEAR_OK;
 }

@@ -33,7 +33,7 @@ int psf_record_int(const psf_record *r, const char *name, int min, int max, int 
 int psf_record_text(const psf_record *r, const char *name, char *out, size_t size,
                     shear_error *err);
 /* Read all numbers of a column that must be there; *values is malloc'd. `axes`: sf_table_shape().
- * SHEAR_E_FORMAT: a number is not finite, or there are more than 2^26. */
+ * SHEAR_E_FORMAT: there are more than 2^26. */
 int psf_record_array(const psf_record *r, const char *name, int64_t axes[SF_AXES], double **values,
                      shear_error *err);
 

@@ -26,7 +26,7 @@ static const double flux_accuracy = 1e-3;
 static const double outlier_sigmas = 5.0;
 /* No star is an outlier below this chi-square. */
 static const double least_chi2 = 3.0;
-/* Relative accuracy of the model at best, in chi-square. */
+/* Error of the |W|^2 of a model at best, over |W|. */
 static const double accuracy = 0.02;
 
 /* The stamps of one table. */
@@ -150,7 +150,7 @@ static double chi2_of(const mode_spectra *s, int i, double level, const double *
         if (m < level || m < 1e-3)
             continue;
         const double d = power[j] - model[j];
-        sum += d * d / (level * level + 2.0 * level * m + accuracy * accuracy * m * m);
+        sum += d * d / (level * level + 2.0 * level * m + accuracy * accuracy * m);
         n++;
     }
     return n > 0 ? sum / n : level; /* NaN if that is NaN */
