@@ -185,6 +185,24 @@ static void test_refused(void **state) {
                        END);
 }
 
+/* Several images, and nothing that says which of them is meant. */
+static void test_which(void **state) {
+    (void)state;
+    const fixture_image image = {
+        .name = "ONE", .bitpix = DOUBLE_IMG, .naxis = 2, .axes = {N, N, 1}};
+    fill_images(1);
+    fitsfile *f = fixture_create(path_of());
+    fixture_append(f, &image, images);
+    fixture_append(f, &image, images);
+    fixture_close(f);
+    psf_fixture_refuse(path_of(), SHEAR_PSF_KIND_AUTO, SHEAR_E_FORMAT, "has 2 images",
+                       "choose the HDU", END);
+    const shear_input_part part = {.path = path_of(), .hdu = 2};
+    psf_models *p = NULL;
+    assert_int_equal(psf_models_open(&p, &part, -1, SHEAR_PSF_KIND_AUTO, STAMP, NULL), SHEAR_OK);
+    psf_models_close(p);
+}
+
 static void test_sky_image(void **state) {
     (void)state;
     const fixture_image image = {
@@ -210,10 +228,10 @@ static void test_robust(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_robust),    cmocka_unit_test(test_one),
-        cmocka_unit_test(test_nearest),   cmocka_unit_test(test_many),
-        cmocka_unit_test(test_line),      cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_sky_image),
+        cmocka_unit_test(test_robust),  cmocka_unit_test(test_one),
+        cmocka_unit_test(test_nearest), cmocka_unit_test(test_many),
+        cmocka_unit_test(test_line),    cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_which),   cmocka_unit_test(test_sky_image),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

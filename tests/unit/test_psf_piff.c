@@ -276,6 +276,7 @@ static void test_chips(void **state) {
     write_chips("SimplePSF");
     psf_models *p = psf_fixture_open(path_of(), SHEAR_PSF_KIND_AUTO, 32);
     assert_int_equal(psf_models_count(p), 2);
+    assert_non_null(strstr(psf_models_text(p, 1), "chip 61"));
     psf_models_close(p);
     write_chips("SumPSF");
     psf_fixture_refuse(path_of(), SHEAR_PSF_KIND_AUTO, SHEAR_E_PSF, "psf_3", "'SumPSF'", "psf.draw",

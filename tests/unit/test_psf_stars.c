@@ -121,7 +121,8 @@ static void check(const char *path, int stamp, const char *text, double toleranc
     psf_models *p = psf_fixture_open(path, SHEAR_PSF_KIND_AUTO, stamp);
     const shear_psf_model *m = psf_models_get(p, 0);
     assert_true(m->axes == SHEAR_PSF_AXES_MODES && m->nx == stamp && m->ny == stamp);
-    assert_string_equal(psf_models_text(p, 0), text);
+    if (strncmp(psf_models_text(p, 0), text, strlen(text)) != 0)
+        fail_msg("\"%s\" does not begin with \"%s\"", psf_models_text(p, 0), text);
     psf_fixture_near(error_of(p, stamp), 0.0, tolerance);
     psf_models_close(p);
 }
@@ -143,7 +144,7 @@ static void test_noise(void **state) {
     (void)state;
     draw_all(STARS, 2.0);
     check(write_cell(STARS), STAMP,
-          "power of stars, 31 x 31 px, degree 2 in x, y, 60 of 60 stars (0 outliers)", 0.1);
+          "power of stars, 31 x 31 px, degree 2 in x, y, 60 of 60 stars (0 outliers)", 0.15);
 }
 
 static void test_outliers(void **state) {
@@ -159,18 +160,28 @@ static void test_outliers(void **state) {
           "power of stars, 31 x 31 px, degree 2 in x, y, 50 of 60 stars (8 outliers)", 0.03);
 }
 
+/* Most are galaxies, of any size. */
+static void test_catalog(void **state) {
+    (void)state;
+    draw_all(STARS, 0.3);
+    for (int i = 0; i < 40; i++)
+        draw(i, 0.3, 1.5 + 4.0 * uniform());
+    psf_fixture_refuse(write_rows(STARS), SHEAR_PSF_KIND_AUTO, SHEAR_E_PSF, "galaxies among them",
+                       "better selected", END);
+}
+
 static void test_refused(void **state) {
     (void)state;
     draw_all(STARS, 0.0);
     for (int i = 0; i < STARS * PLANE; i++)
         stamps[i] = 37.0;
-    psf_fixture_refuse(write_rows(STARS), SHEAR_PSF_KIND_AUTO, SHEAR_E_PSF, "none of 60", END);
+    psf_fixture_refuse(write_rows(STARS), SHEAR_PSF_KIND_AUTO, SHEAR_E_PSF, "only 0 of 60", END);
     for (int i = 0; i < STARS * PLANE; i++)
         stamps[i] = NAN;
-    psf_fixture_refuse(write_cell(STARS), SHEAR_PSF_KIND_STARS, SHEAR_E_PSF, "none of 60", END);
+    psf_fixture_refuse(write_cell(STARS), SHEAR_PSF_KIND_STARS, SHEAR_E_PSF, "only 0 of 60", END);
     for (int i = 0; i < STARS * PLANE; i++)
         stamps[i] = i % 2 == 0 ? 1e300 : -1e28;
-    psf_fixture_refuse(write_cell(STARS), SHEAR_PSF_KIND_STARS, SHEAR_E_PSF, "none of 60", END);
+    psf_fixture_refuse(write_cell(STARS), SHEAR_PSF_KIND_STARS, SHEAR_E_PSF, "only 0 of 60", END);
     draw_all(STARS, 0.0);
     write_rows(STARS);
     fixture_patch(path_of(), "LDAC_OBJECTS", "TTYPE2", "'OTHER'");
@@ -237,7 +248,8 @@ static void test_real(void **state) {
     p = psf_fixture_open(psf_fixture_real("piff/testStarsRubin.fits"), SHEAR_PSF_KIND_AUTO, 64);
     assert_string_equal(
         psf_models_text(p, 0),
-        "power of stars, 25 x 25 px, degree 2 in x, y, 30 of 31 stars (0 outliers)");
+        "power of stars, 25 x 25 px, degree 2 in x, y, 30 of 31 stars (0 outliers), "
+        "chi2/dof 0.65");
     psf_models_close(p);
 }
 
@@ -245,7 +257,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_robust),  cmocka_unit_test(test_without_noise),
         cmocka_unit_test(test_noise),   cmocka_unit_test(test_outliers),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_real),
+        cmocka_unit_test(test_catalog), cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_real),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

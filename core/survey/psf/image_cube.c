@@ -26,15 +26,24 @@ static bool is_image(const sf_hdu *hdu) {
     return (hdu->kind == SF_IMAGE && hdu->naxis >= 2) || (hdu->kind == SF_TABLE && hdu->zimage);
 }
 
-/* Return the chosen HDU, the one called PSF, or the first image; NULL: there is no image. */
-static const sf_hdu *find_image(const psf_models *p) {
-    const sf_hdu *first = NULL;
-    for (int i = p->file.count - 1; i >= 0; i--) {
+/* Find the chosen HDU, the one called PSF, or the only image; NULL: there is no image.
+ * SHEAR_E_FORMAT: there are several. */
+static int find_image(const psf_models *p, const sf_hdu **image, shear_error *err) {
+    int n = 0;
+    *image = NULL;
+    for (int i = 0; i < p->file.count; i++) {
         const sf_hdu *hdu = &p->file.hdus[i];
-        if ((p->chosen == NULL || p->chosen == hdu) && is_image(hdu))
-            first = first != NULL && strcasecmp(first->name, "PSF") == 0 ? first : hdu;
+        if ((p->chosen != NULL && p->chosen != hdu) || !is_image(hdu))
+            continue;
+        *image = hdu;
+        if (strcasecmp(hdu->name, "PSF") == 0)
+            return SHEAR_OK;
+        n++;
     }
-    return first;
+    return n <= 1 ? SHEAR_OK
+                  : sf_fail(err, SHEAR_E_FORMAT, (sf_place){p->file.source.name, NULL},
+                            "choose the HDU, FILE:HDU, or put all images of the PSF into one cube",
+                            "has %d images, none of which is called PSF", n);
 }
 
 static int open_cube(psf_cube *c, const psf_models *p, const sf_hdu *hdu, shear_error *err) {
@@ -171,8 +180,9 @@ static int read_model(psf_models *p, psf_chip *chip, psf_cube *c, shear_error *e
 
 int image_cube_read(psf_models *p, shear_error *err) {
     CLEANUP(close_cube) psf_cube c = {0};
-    const sf_hdu *hdu = find_image(p);
+    const sf_hdu *hdu = NULL;
     psf_chip *chip = NULL;
+    TRY(find_image(p, &hdu, err));
     if (hdu == NULL)
         return SHEAR_OK;
     TRY(open_cube(&c, p, hdu, err));

@@ -281,6 +281,7 @@ static int read_chips(psf_models *p, shear_error *err) {
         TRY(need_table(&one, p, "psf", number, err));
         TRY(check_simple(&one, err));
         TRY(read_simple(p, prefix, err));
+        text_append(p->chips[p->n - 1].text, PSF_TEXT, ", chip %d", chip);
     }
     return SHEAR_OK;
 }

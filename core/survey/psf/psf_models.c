@@ -99,7 +99,7 @@ static int finish(psf_models *p, shear_error *err) {
     int terms = 1;
     if (sound == NULL) {
         return sf_fail(err, SHEAR_E_PSF, at,
-                       "make the PSF model again, with more or brighter stars",
+                       "make the PSF model again, from more, brighter or better selected stars",
                        "no PSF model can be used: %s", p->chips[0].text);
     }
     for (int i = 0; i < p->n; i++) {

@@ -152,12 +152,24 @@ typedef struct psfex_fit {
     double chi2, samp;    /* NaN: not given */
 } psfex_fit;
 
+/* Read a number; one that is not finite, as PSFEx writes it after some failures, is INFINITY. */
+static int read_result(const psf_record *r, const char *name, double *value, shear_error *err) {
+    char text[SF_CARD + 1];
+    double v = 0.0;
+    TRY(psf_record_text(r, name, text, sizeof text, err));
+    if (text_to_double(text, &v) && !isfinite(v)) {
+        *value = INFINITY;
+        return SHEAR_OK;
+    }
+    return psf_record_double(r, name, value, err);
+}
+
 static int read_fit(psfex_fit *f, const psf_record *r, shear_error *err) {
     *f = (psfex_fit){-1, -1, NAN, NAN};
     TRY(psf_record_int(r, "LOADED", 0, INT_MAX, &f->loaded, err));
     TRY(psf_record_int(r, "ACCEPTED", 0, INT_MAX, &f->accepted, err));
-    TRY(psf_record_double(r, "CHI2", &f->chi2, err));
-    TRY(psf_record_double(r, "PSF_SAMP", &f->samp, err));
+    TRY(read_result(r, "CHI2", &f->chi2, err));
+    TRY(read_result(r, "PSF_SAMP", &f->samp, err));
     return isnan(f->samp) ? psf_record_fail(r, "PSF_SAMP", "is missing", err) : SHEAR_OK;
 }
 
@@ -165,8 +177,9 @@ static int read_fit(psfex_fit *f, const psf_record *r, shear_error *err) {
 static const char *failure_of_fit(const psfex_fit *f) {
     return f->accepted == 0                       ? "PSFEx accepted no star (ACCEPTED is 0)"
            : !(f->samp > 0.01 && f->samp < 100.0) ? "its sampling step (PSF_SAMP) is out of range"
-           : f->chi2 > worst_chi2 ? "it does not describe its stars (CHI2 above 100)"
-                                  : NULL;
+           : f->chi2 > worst_chi2
+               ? "it does not describe its stars (CHI2 is above 100, or no number)"
+               : NULL;
 }
 
 /* Return why the model cannot be used, or NULL. */

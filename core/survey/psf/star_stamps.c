@@ -24,6 +24,8 @@ static const double bright_modes = 0.5;
 static const double flux_accuracy = 1e-3;
 /* An outlier's chi-square is more than this many standard deviations above the median. */
 static const double outlier_sigmas = 5.0;
+/* Stamps whose median chi-square is larger are not all of stars. */
+static const double worst_chi2 = 10.0;
 /* No star is an outlier below this chi-square. */
 static const double least_chi2 = 3.0;
 /* Error of the |W|^2 of a model at best, over |W|. */
@@ -162,8 +164,9 @@ static double median_of(double *values, int n) {
     return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
-/* Return the largest chi-square that is no outlier. */
-static double limit_of(const mode_spectra *s, const double *chi2, double *scratch) {
+/* Return the median chi-square of the stars in use, and the largest that is no outlier. */
+static double median_chi2(const mode_spectra *s, const double *chi2, double *scratch,
+                          double *largest) {
     int n = 0;
     for (int i = 0; i < s->n; i++) {
         if (s->weight[i] > 0.0)
@@ -172,21 +175,23 @@ static double limit_of(const mode_spectra *s, const double *chi2, double *scratc
     const double median = median_of(scratch, n);
     for (int i = 0; i < n; i++)
         scratch[i] = fabs(scratch[i] - median);
-    return fmax(median + outlier_sigmas * 1.4826 * median_of(scratch, n), least_chi2);
+    *largest = fmax(median + outlier_sigmas * 1.4826 * median_of(scratch, n), least_chi2);
+    return median;
 }
 
-/* Leave out stars that differ from the model, and use those that do so no more. Return how many
- * were changed. */
+/* Leave out stars that differ from the model, and use those that do so no more; *median is their
+ * chi-square. Return how many were changed. */
 static int choose_stars(const psf_chip *c, const psf_places *places, mode_spectra *s,
-                        const double *level, double *scratch) {
+                        const double *level, double *scratch, double *median) {
     double *chi2 = scratch;
     double *model = scratch + 2 * (size_t)s->n;
+    double limit = 0.0;
     int changed = 0;
     for (int i = 0; i < s->n; i++) {
         mode_fit_at(c, places, i, model);
         chi2[i] = chi2_of(s, i, level[i], model);
     }
-    const double limit = limit_of(s, chi2, scratch + s->n);
+    *median = median_chi2(s, chi2, scratch + s->n, &limit);
     for (int i = 0; i < s->n; i++) { /* stars that cannot be used have a chi-square of NaN */
         const double weight = chi2[i] <= limit ? weight_of(level[i]) : 0.0;
         changed += (weight > 0.0) != (s->weight[i] > 0.0) ? 1 : 0;
@@ -245,9 +250,10 @@ static int normalize(psf_chip *c, sf_place at, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Fit, compare fluxes, leave out outliers, and fit again until nothing changes. */
-static int fit(psf_chip *c, const psf_places *places, mode_spectra *s, double *level, sf_place at,
-               shear_error *err) {
+/* Fit, compare fluxes, leave out outliers, and fit again until nothing changes. *median is the
+ * chi-square of the stars; unchanged if there are few. */
+static int fit(psf_chip *c, const psf_places *places, mode_spectra *s, double *level,
+               double *median, sf_place at, shear_error *err) {
     const size_t modes = (size_t)s->stamp * (size_t)s->stamp;
     CLEANUP(release_free) double *scratch = calloc(2 * (size_t)s->n + modes, sizeof *scratch);
     bool settled = false;
@@ -256,7 +262,7 @@ static int fit(psf_chip *c, const psf_places *places, mode_spectra *s, double *l
     TRY(mode_fit(c, places, s, degree_of(count_used(s)), at, err));
     for (int round = 0; round < ROUNDS && !settled; round++) {
         settled = scale_fluxes(c, places, s, level, scratch) < flux_accuracy;
-        if (count_used(s) >= LEAST_STARS && choose_stars(c, places, s, level, scratch) > 0)
+        if (count_used(s) >= LEAST_STARS && choose_stars(c, places, s, level, scratch, median) > 0)
             settled = false;
         TRY(mode_fit(c, places, s, degree_of(count_used(s)), at, err));
     }
@@ -265,30 +271,47 @@ static int fit(psf_chip *c, const psf_places *places, mode_spectra *s, double *l
 
 /* ---- models ---- */
 
+/* Write what the model was made from, or why there is no model: a catalog of all sources is no
+ * catalog of stars. */
+static void describe(psf_chip *c, const star_table *t, int used, int usable, double chi2) {
+    c->failed = 2 * used < t->n || chi2 > worst_chi2;
+    if (2 * used < t->n) {
+        text_append(c->text, sizeof c->text,
+                    "stars, failed: only %d of %d stamps look like stars of one PSF", used, t->n);
+    } else if (c->failed) {
+        text_append(c->text, sizeof c->text,
+                    "stars, failed: the stamps differ too much, chi2/dof %.1f; are there galaxies "
+                    "among them?",
+                    chi2);
+    }
+    if (c->failed)
+        return;
+    text_append(c->text, sizeof c->text, "power of stars, %d x %d px", t->nx, t->ny);
+    psf_chip_describe(c);
+    text_append(c->text, sizeof c->text, ", %d of %d stars (%d outliers)", used, t->n,
+                usable - used);
+    if (!isnan(chi2))
+        text_append(c->text, sizeof c->text, ", chi2/dof %.2f", chi2);
+}
+
 static int read_table(psf_models *p, const star_table *t, shear_error *err) {
     CLEANUP(psf_places_deinit) psf_places places = {0};
     CLEANUP(mode_spectra_deinit) mode_spectra s = {0};
     const sf_place at = t->record.cards.at;
     CLEANUP(release_free) double *level = calloc((size_t)t->n, sizeof *level);
     psf_chip *c = NULL;
+    double chi2 = NAN;
     if (level == NULL)
         return sf_fail_memory(err, at);
     TRY(psf_places_init(&places, &t->record, t->n, err));
     TRY(mode_spectra_init(&s, t->n, p->stamp, at, err));
     TRY(compute_spectra(t, &s, level, err));
     TRY(psf_chip_new(p, &c, err));
-    const int usable = count_used(&s);
-    if (usable == 0) {
-        c->failed = true;
-        text_append(c->text, sizeof c->text, "stars, failed: none of %d can be used", t->n);
-        return SHEAR_OK;
-    }
     psf_places_set_variables(&places, c);
-    TRY(fit(c, &places, &s, level, at, err));
-    text_append(c->text, sizeof c->text, "power of stars, %d x %d px", t->nx, t->ny);
-    psf_chip_describe(c);
-    text_append(c->text, sizeof c->text, ", %d of %d stars (%d outliers)", count_used(&s), t->n,
-                usable - count_used(&s));
+    const int usable = count_used(&s);
+    if (usable > 0)
+        TRY(fit(c, &places, &s, level, &chi2, at, err));
+    describe(c, t, count_used(&s), usable, chi2);
     return SHEAR_OK;
 }
 
