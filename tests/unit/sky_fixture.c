@@ -18,7 +18,7 @@ void sky_check_close(double a, double b, double tolerance, const char *what, con
 }
 
 static int64_t find(const sky_header *h, const char *key) {
-    char padded[9];
+    char padded[48];
     snprintf(padded, sizeof padded, "%-8s", key);
     for (int64_t i = 0; i < h->n; i++) {
         if (memcmp(h->cards[i], padded, 8) == 0)

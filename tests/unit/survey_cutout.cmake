@@ -16,5 +16,5 @@ cutout_test(cutter_noise core_fixtures)
 
 # The same on files, by the room that reads them.
 shear_add_test(cutter_chip SOURCES test_cutter_chip.c exposure_fixture.c LIBRARIES fits_fixtures LABELS cutout)
-target_compile_definitions(test_cutter_chip PRIVATE SHEARD_SHARED="${SHEARD_SHARED}")
+target_compile_definitions(test_cutter_chip PRIVATE SHEAR_SHARED="${SHEAR_SHARED}")
 target_include_directories(test_cutter_chip PRIVATE ${PROJECT_SOURCE_DIR}/core)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Exposures: images, masks, and their pixels. What needs real files is skipped where they are not.
-set(SHEAR_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "folder with survey/, real files for the tests")
 
 function(survey_pixels_test name)
   shear_add_test(${name} SOURCES test_${name}.c exposure_fixture.c scarce.c LIBRARIES fits_fixtures Threads::Threads LABELS survey TIMEOUT 120)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # PSF models of exposures. Real files of surveys are compared with where there are any: they are no part of this tree.
-set(SHEAR_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "folder with survey/, real files for the tests")
 # Objects, not an archive, so that the linker takes malloc of scarce.c.
 add_library(psf_fixtures OBJECT psf_fixture.c scarce.c)
 target_link_libraries(psf_fixtures PUBLIC fits_fixtures)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sky maps of exposures. Real headers of surveys are compared with where there are any: they are no part of this tree.
-set(SHEAR_SHARED ${PROJECT_SOURCE_DIR}/../shared CACHE PATH "folder with survey/, real files for the tests")
 add_library(sky_fixtures STATIC sky_fixture.c)
 target_link_libraries(sky_fixtures PUBLIC fits_fixtures)
 target_include_directories(sky_fixtures PUBLIC ${PROJECT_SOURCE_DIR}/core)
