@@ -59,14 +59,25 @@ static void add_mode(const drawer *d, const light *l, int jx, int jy, int alias,
     sum[1] += t * (x[0] * y[1] + x[1] * y[0]);
 }
 
+/* Return whether modes beyond the Nyquist frequency can be seen. They are in a band of about
+ * 1/alpha around the square of the others: a sixth of this bound. */
+static bool is_aliased(const light *l, double threshold) {
+    const double t = fmax(light_transform(l, M_PI, 0.0), light_transform(l, 0.0, M_PI));
+    return l->flux * t > threshold;
+}
+
 /* The image is real: half of the modes are the others' conjugates. */
-static void fill_modes(drawer *d, const light *l) {
+static void fill_modes(drawer *d, const light *l, double threshold) {
     const int n = d->n;
+    const bool aliased = is_aliased(l, threshold);
     for (int jy = 0; jy <= n / 2; jy++) {
         for (int jx = 0; jx < n; jx++) {
             double sum[2] = {0.0, 0.0};
-            for (int alias = 0; alias < 4; alias++)
-                add_mode(d, l, jx, jy, alias, sum);
+            const int nearest = (2 * jx >= n) + 2 * (2 * jy >= n);
+            for (int alias = 0; alias < 4; alias++) {
+                if (aliased || alias == nearest)
+                    add_mode(d, l, jx, jy, alias, sum);
+            }
             double *z = d->modes + 2 * ((ptrdiff_t)jy * n + jx);
             double *conjugate = d->modes + 2 * ((ptrdiff_t)((n - jy) % n) * n + (n - jx) % n);
             conjugate[0] = sum[0];
@@ -85,27 +96,34 @@ static void transform_back(drawer *d) {
         gsl_fft_complex_radix2_inverse(d->modes + 2 * i, n, n);
 }
 
-void drawer_draw(drawer *d, const light *l, double x, double y, double threshold) {
+void drawer_place(drawer *d, const light *l, double x, double y, double threshold) {
     const double reach = light_reach(l, threshold);
     d->n = MIN_SIDE;
     while (d->n < 2.0 * reach && d->n < DRAWER_MAX_SIDE)
         d->n *= 2;
     d->x = (int)floor(x + 0.5) - d->n / 2;
     d->y = (int)floor(y + 0.5) - d->n / 2;
+}
+
+void drawer_draw(drawer *d, const light *l, double x, double y, double threshold) {
     fill_axis(d->n, x - d->x, d->along_x);
     fill_axis(d->n, y - d->y, d->along_y);
-    fill_modes(d, l);
+    fill_modes(d, l, threshold);
     transform_back(d);
 }
 
-void drawer_add(const drawer *d, int nx, int ny, double *image) {
+bool drawer_touches(const drawer *d, const image_band *band) {
+    return d->y < band->end && d->y + d->n > band->first;
+}
+
+void drawer_add(const drawer *d, const image_band *band) {
     const int x0 = d->x > 0 ? d->x : 0;
-    const int y0 = d->y > 0 ? d->y : 0;
-    const int x1 = d->x + d->n < nx ? d->x + d->n : nx;
-    const int y1 = d->y + d->n < ny ? d->y + d->n : ny;
+    const int y0 = d->y > band->first ? d->y : band->first;
+    const int x1 = d->x + d->n < band->nx ? d->x + d->n : band->nx;
+    const int y1 = d->y + d->n < band->end ? d->y + d->n : band->end;
     for (int y = y0; y < y1; y++) {
         const double *stamp = d->modes + 2 * (ptrdiff_t)(y - d->y) * d->n;
         for (int x = x0; x < x1; x++)
-            image[(ptrdiff_t)y * nx + x] += stamp[2 * (x - d->x)];
+            band->image[(ptrdiff_t)y * band->nx + x] += stamp[2 * (x - d->x)];
     }
 }

@@ -25,8 +25,17 @@ typedef struct drawer {
 bool drawer_init(drawer *d);
 void drawer_deinit(drawer *d);
 
-/* Compute the stamp of an object at pixel (x, y), from 0, to an accuracy of about `threshold` per
- * pixel. */
+/* Choose the stamp of an object at pixel (x, y), from 0, for an accuracy of about `threshold` per
+ * pixel: n, x and y. Takes no time. */
+void drawer_place(drawer *d, const light *l, double x, double y, double threshold);
+/* Compute the stamp that was placed for the same arguments. */
 void drawer_draw(drawer *d, const light *l, double x, double y, double threshold);
-/* Add the stamp to image [ny][nx]. */
-void drawer_add(const drawer *d, int nx, int ny, double *image);
+/* Rows of an image [][nx], `first` up to but without `end`. */
+typedef struct image_band {
+    double *image;
+    int nx, first, end;
+} image_band;
+/* Return whether the stamp reaches into the band. */
+bool drawer_touches(const drawer *d, const image_band *band);
+/* Add the part of the stamp that is in the band. */
+void drawer_add(const drawer *d, const image_band *band);

@@ -16,6 +16,7 @@
  * out. */
 static const double negligible = 0.01;
 
+enum { BAND_ROWS = 512 };
 enum { IMAGE, WEIGHT, MASK, TRUTH, N_FILES };
 static const char *const endings[N_FILES] = {"", ".weight", ".mask", ".truth"};
 
@@ -108,8 +109,21 @@ static void add_detector(buffer *cards, const shear_mock_exposure *e) {
 }
 
 /* ---- one chip ---- */
-/* Stamps are computed in any order, and added in the objects' order: the pixels do not depend on
- * the threads. */
+static void draw_band(const exposure_writer *w, const scene *s, drawer *d, const image_band *band) {
+    for (int64_t i = 0; i < s->n; i++) {
+        const scene_object *o = &s->objects[i];
+        const psf_place psf = light_psf(w->spec, &w->plane, o->dx, o->dy);
+        const light l = light_of(w->spec, o, &psf);
+        drawer_place(d, &l, o->x - 1.0, o->y - 1.0, w->threshold);
+        if (!drawer_touches(d, band))
+            continue;
+        drawer_draw(d, &l, o->x - 1.0, o->y - 1.0, w->threshold);
+        drawer_add(d, band);
+    }
+}
+
+/* Each band of rows is drawn by one thread, in the objects' order: the pixels do not depend on the
+ * threads. Objects on a border are drawn twice. */
 static bool draw_objects(exposure_writer *w, const scene *s) {
     const shear_mock_exposure *e = w->spec;
     bool failed = false;
@@ -117,16 +131,12 @@ static bool draw_objects(exposure_writer *w, const scene *s) {
     {
         CLEANUP(drawer_deinit) drawer d = {0};
         failed = !drawer_init(&d);
-#pragma omp for ordered schedule(dynamic)
-        for (int64_t i = 0; i < s->n; i++) {
-            const scene_object *o = &s->objects[i];
-            const psf_place psf = light_psf(e, &w->plane, o->dx, o->dy);
-            const light l = light_of(e, o, &psf);
+#pragma omp for schedule(dynamic)
+        for (int first = 0; first < e->ny; first += BAND_ROWS) {
+            const int end = first + BAND_ROWS < e->ny ? first + BAND_ROWS : e->ny;
+            const image_band band = {w->image, e->nx, first, end};
             if (!failed)
-                drawer_draw(&d, &l, o->x - 1.0, o->y - 1.0, w->threshold);
-#pragma omp ordered
-            if (!failed)
-                drawer_add(&d, e->nx, e->ny, w->image);
+                draw_band(w, s, &d, &band);
         }
     }
     return !failed;

@@ -140,6 +140,7 @@ static double pixel(const drawing *g, int x, int y) {
 
 static void draw(drawing *g, const light *l, double x, double y, double threshold) {
     assert_true(drawer_init(&g->d));
+    drawer_place(&g->d, l, x, y, threshold);
     drawer_draw(&g->d, l, x, y, threshold);
     g->x = x - g->d.x;
     g->y = y - g->d.y;
@@ -290,7 +291,10 @@ static void test_what_is_beyond_the_image_is_left_out(void **state) {
     double *image = doubles(NX * NY);
     drawing g;
     draw(&g, &l, 0.0, NY - 1.0, 1e-4);
-    drawer_add(&g.d, NX, NY, image);
+    const image_band bands[] = {{image, NX, 0, 7}, {image, NX, 7, NY - 4}, {image, NX, NY - 4, NY}};
+    assert_false(drawer_touches(&g.d, &(image_band){image, NX, 100, 120}));
+    for (size_t i = 0; i < sizeof bands / sizeof *bands; i++)
+        drawer_add(&g.d, &bands[i]);
     double sum = 0.0;
     for (int i = 0; i < NX * NY; i++)
         sum += image[i];
