@@ -269,7 +269,7 @@ static double kron(long i) {
     return i == 0 ? 3.5 : 0.0;
 }
 static double area(long i) {
-    return i == 2 ? 0.0 : 50.0;
+    return i == 2 ? 0.0 : 40.0;
 }
 static double bad(long i) {
     return i == 0 ? NAN : i == 1 ? -1.0 : INFINITY;
@@ -289,7 +289,7 @@ static void test_ellipses(void **state) {
     fixture_close(f);
     source_list s = source_fixture_read(path, NULL);
     assert_true(s.a[0] == 7.0 && s.b[0] == 3.5 && s.theta[0] == 0.5);
-    assert_true(fabs(M_PI * s.a[1] * s.b[1] - 50.0) < 1e-9 && s.a[1] == 2.0 * s.b[1]);
+    assert_true(fabs(M_PI * s.a[1] * s.b[1] - 1.25 * 1.25 * 40.0) < 1e-9 && s.a[1] == 2.0 * s.b[1]);
     assert_true(s.a[2] == 6.0 && s.b[2] == 3.0);
     for (int i = 0; i < 3; i++)
         assert_true(isnan(s.r_gal[i]));

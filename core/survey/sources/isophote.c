@@ -7,6 +7,7 @@
 
 static const double half_light_radii = 2.5;
 static const double deviations = 3.0;
+static const double margin = 1.25;
 
 static bool positive(double v) {
     return v > 0.0 && isfinite(v);
@@ -43,10 +44,10 @@ static int scale(const source_columns *c, int64_t n, double *a, double *b, shear
     TRY(read_optional(c->table, "KRON_RADIUS", n, kron, err));
     TRY(read_optional(c->table, "ISOAREA_IMAGE", n, area, err));
     for (int64_t i = 0; i < n; i++) {
-        const double of_area = sqrt(area[i] / (M_PI * a[i] * b[i]));
-        const double factor = positive(kron[i])   ? kron[i]
-                              : positive(of_area) ? of_area
-                                                  : deviations;
+        const double of_area = margin * sqrt(area[i] / (M_PI * a[i] * b[i]));
+        const double larger =
+            fmax(positive(kron[i]) ? kron[i] : 0.0, positive(of_area) ? of_area : 0.0);
+        const double factor = larger > 0.0 ? larger : deviations;
         a[i] *= factor;
         b[i] *= factor;
     }

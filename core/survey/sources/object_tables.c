@@ -124,35 +124,56 @@ static bool same_columns(const sf_table *a, const sf_table *b) {
     return same;
 }
 
-/* Add the tables with positions that have the columns of the first one. The error, if there is
- * none, is that of the first table. */
+/* Open a table to see if it is one of sources; if not, *why is the reason. */
+static int try_table(open_table *t, const sf_file *file, const sf_hdu *hdu,
+                     const source_names *names, bool *yes, shear_error *why) {
+    object_table object = {0};
+    *yes = false;
+    if (!is_table(hdu))
+        return SHEAR_OK;
+    name_table(&object, hdu);
+    const int code = open_table_init(t, file, &object, names, why);
+    *yes = code == SHEAR_OK;
+    return code == SHEAR_E_FORMAT ? SHEAR_OK : code;
+}
+
+/* Find the first table of sources. If there is none, the error is that of the first table. */
+static int find_first(const sf_file *file, const source_names *names, int *first,
+                      shear_error *err) {
+    shear_error refusal = {0};
+    for (int i = 0; i < file->count; i++) {
+        CLEANUP(open_table_deinit) open_table t = {0};
+        bool yes = false;
+        shear_error why = {0};
+        if (try_table(&t, file, &file->hdus[i], names, &yes, &why) != SHEAR_OK)
+            return shear_fail(err, why.code, why.advice, "%s", why.message);
+        *first = i;
+        if (yes)
+            return SHEAR_OK;
+        refusal = refusal.code == SHEAR_OK ? why : refusal;
+    }
+    if (refusal.code != SHEAR_OK)
+        return shear_fail(err, refusal.code, refusal.advice, "%s", refusal.message);
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, NULL},
+                   "give a catalog of SExtractor, or a binary table", "it has no binary table");
+}
+
+/* Add the first table of sources, and those that have the same columns. */
 static int add_alike(object_tables *o, const sf_file *file, const source_names *names,
                      shear_error *err) {
     CLEANUP(open_table_deinit) open_table first = {0};
-    int code = SHEAR_OK;
-    for (int i = 0; i < file->count; i++) {
+    bool yes = false;
+    int i = 0;
+    TRY(find_first(file, names, &i, err));
+    TRY(try_table(&first, file, &file->hdus[i], names, &yes, err));
+    TRY(add(o, file, &file->hdus[i], err));
+    while (++i < file->count) {
         CLEANUP(open_table_deinit) open_table t = {0};
-        object_table o_t = {0};
-        name_table(&o_t, &file->hdus[i]);
-        if (!is_table(o_t.hdu))
-            continue;
-        const bool searching = o->n == 0;
-        const int here = open_table_init(searching ? &first : &t, file, &o_t, names,
-                                         code == SHEAR_OK && searching ? err : NULL);
-        if (here == SHEAR_OK && (searching || same_columns(&first.table, &t.table))) {
-            TRY(add(o, file, o_t.hdu, err));
-        } else if (searching) {
-            code = code != SHEAR_OK ? code : here;
-            open_table_deinit(&first);
-            first = (open_table){0};
-        }
+        TRY(try_table(&t, file, &file->hdus[i], names, &yes, err));
+        if (yes && same_columns(&first.table, &t.table))
+            TRY(add(o, file, &file->hdus[i], err));
     }
-    if (o->n > 0)
-        return SHEAR_OK;
-    return code != SHEAR_OK ? code
-                            : sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, NULL},
-                                      "give a catalog of SExtractor, or a binary table",
-                                      "it has no binary table");
+    return SHEAR_OK;
 }
 
 static int find_chosen(object_tables *o, const sf_file *file, const shear_input_part *part,
