@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Files that were passed to this process, which may not create any. */
-static int given[8];
+static int given[SHEAR_N_PARTS];
 static int n_given;
 static atomic_int next_given;
 

@@ -4,14 +4,17 @@
  * SExtractor's A_IMAGE and B_IMAGE are standard deviations of the light along the axes, not the
  * isophote. They are multiplied by the larger of
  *
- *   KRON_RADIUS   the aperture of FLUX_AUTO, which holds at least 94 % of a galaxy's light, and
+ *   KRON_RADIUS   the aperture of FLUX_AUTO, which holds about 94 % of a galaxy's light, and
  *   1.25 sqrt(ISOAREA_IMAGE / (pi A B))   the isophote's area and a margin,
  *
  * or by 3 if the catalog has neither. In two catalogs of DECam chips (3,240 sources with FLAGS < 4;
  * XMIN_IMAGE to YMAX_IMAGE are the isophote's extent) the isophote is inside the ellipse, to 1 px,
- * for 93 % of the sources (KRON_RADIUS alone 87 %, the area without the margin 74 %, 3 alone 85 %). Without A_IMAGE, a circle of 2.5 FLUX_RADIUS:
- * 2.9 standard deviations of a Gaussian, 98.7 % of its light (82 % of those sources). Columns of
- * other names are semi-axes as they stand. */
+ * for 93 % of the sources: 87 % with KRON_RADIUS alone, 74 % with the area and no margin, 85 % with
+ * 3 alone.
+ *
+ * Without A_IMAGE it is a circle of 2.5 FLUX_RADIUS: 2.9 standard deviations of a Gaussian, 98.7 %
+ * of its light; it holds 82 % of those isophotes. Columns of other names are semi-axes as they
+ * stand. */
 #pragma once
 
 #include "survey/sources/source_columns.h"
