@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -19,8 +20,7 @@ static const char *write_text(const char *text) {
 /* The cards of a header as text, with END. */
 static void append(char *text, const sky_header *h, const char *end_of_line) {
     for (int64_t i = 0; i < h->n; i++) {
-        strncat(text, h->cards[i], 80);
-        strcat(text, end_of_line);
+        sprintf(text + strlen(text), "%.80s%s", h->cards[i], end_of_line);
     }
     strcat(text, "END");
     strcat(text, end_of_line);
