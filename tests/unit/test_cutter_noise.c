@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 480, STAMP = 32, FRAME = 8, BOX = STAMP + 2 * FRAME, N = STAMP * STAMP };
+enum { SIDE = 480, STAMP = 32, FRAME = 8, N = STAMP * STAMP };
 enum { GRID = 4, ACROSS = SIDE / GRID };
 static const double R_GAL = 4.0;
 
@@ -24,35 +24,36 @@ static double mean_square(const double *v, size_t n) {
     return sum / (double)n;
 }
 
-/* Return whether a pixel of an object is within 4 px of the box, or more than 2 % are defects. */
+/* Return whether a pixel of an object is within 4 px of the stamp, or more than 2 % are defects. */
 static bool spoiled(const chip_pixels *c, int x, int y) {
     int defects = 0;
-    for (int j = y - 4; j < y + BOX + 4; j++) {
-        for (int i = x - 4; i < x + BOX + 4; i++) {
-            if (i < 0 || j < 0 || i >= c->nx || j >= c->ny)
-                continue;
-            const int dx = i < x ? x - i : i >= x + BOX ? i - x - BOX + 1 : 0;
-            const int dy = j < y ? y - j : j >= y + BOX ? j - y - BOX + 1 : 0;
+    for (int j = y - 4; j < y + STAMP + 4; j++) {
+        for (int i = x - 4; i < x + STAMP + 4; i++) {
+            const int dx = i < x ? x - i : i >= x + STAMP ? i - x - STAMP + 1 : 0;
+            const int dy = j < y ? y - j : j >= y + STAMP ? j - y - STAMP + 1 : 0;
             const size_t at = (size_t)j * (size_t)c->nx + (size_t)i;
             if (c->owner[at] != 0 && dx * dx + dy * dy <= 16)
                 return true;
             defects += dx == 0 && dy == 0 && c->defect[at] != 0;
         }
     }
-    return defects > BOX * BOX * 2 / 100;
+    return defects > N * 2 / 100;
 }
 
-/* Fill the map of boxes that may serve a galaxy whose stamp is centred on (x, y), pixel by pixel,
+/* Fill the map of stamps that may serve a galaxy whose stamp is centred on (x, y), pixel by pixel,
  * without gate. Return their number. */
 static int all_boxes(const chip_pixels *c, int x, int y, int split_x, uint8_t *map) {
     int n = 0;
     for (int i = 0; i < ACROSS * ACROSS; i++) {
         const int bx = i % ACROSS * GRID;
         const int by = i / ACROSS * GRID;
-        const int dx = abs(bx + BOX / 2 - x);
-        const int dy = abs(by + BOX / 2 - y);
-        const bool one_side = split_x == 0 || (x < split_x ? bx + BOX <= split_x : bx >= split_x);
-        map[i] = bx + BOX <= SIDE && by + BOX <= SIDE && dx * dx + dy * dy <= 200 * 200 &&
+        const int dx = abs(bx + STAMP / 2 - x);
+        const int dy = abs(by + STAMP / 2 - y);
+        const int first = bx - FRAME;
+        const int end = bx + STAMP + FRAME;
+        const bool inside = first >= 0 && end <= SIDE && by >= FRAME && by + STAMP + FRAME <= SIDE;
+        const bool one_side = split_x == 0 || (x < split_x ? end <= split_x : first >= split_x);
+        map[i] = inside && dx * dx + dy * dy <= 200 * 200 &&
                  (dx >= STAMP + FRAME || dy >= STAMP + FRAME) && one_side && !spoiled(c, bx, by);
         n += map[i];
     }
@@ -79,14 +80,15 @@ static void check_boxes(int split_x) {
     static uint8_t allowed[ACROSS * ACROSS];
     chip_pixels *c = busy_chip(21);
     const int n = all_boxes(c, 240, 240, split_x, allowed);
-    empty_sky sky;
-    assert_int_equal(empty_sky_init(&sky, c, SIDE, SIDE, split_x, BOX, NULL), SHEAR_OK);
+    empty_sky sky = {
+        .boxes = {.nx = SIDE, .ny = SIDE, .split_x = split_x, .stamp = STAMP, .frame = FRAME}};
+    assert_int_equal(empty_sky_init(&sky, c, NULL), SHEAR_OK);
     noise_boxes boxes;
     arena a = {0};
     noise_boxes_place(&boxes, &sky, &a);
     CLEANUP(release_free) void *memory = arena_allocate(&a);
     noise_boxes_place(&boxes, &sky, &a);
-    noise_boxes_find(&boxes, 240 - BOX / 2, 240 - BOX / 2, 240, FRAME, (draw_key){1, 1});
+    noise_boxes_find(&boxes, 240 - STAMP / 2, 240 - STAMP / 2, 240, (draw_key){1, 1});
     int found = 0;
     int x;
     int y;
@@ -160,8 +162,8 @@ static void test_the_choice_is_unbiased(void **state) {
             continue;
         /* cut it as a galaxy that has no light */
         options.r_psf_px = 0.0;
-        const double x = i % ACROSS * GRID + 0.5 * BOX;
-        const double y = (double)(i / ACROSS) * GRID + 0.5 * BOX;
+        const double x = i % ACROSS * GRID + 0.5 * STAMP;
+        const double y = (double)(i / ACROSS) * GRID + 0.5 * STAMP;
         assert_int_equal(cut_at(&f, x, y, 0.1, i), 0);
         all += mean_square(f.pair.galaxy, N) / n;
     }
@@ -387,6 +389,40 @@ static void test_holes_of_noise_stamps(void **state) {
     chip_free(c);
 }
 
+/* Bright objects in a noise stamp's frame do not tilt its plane. */
+static void test_objects_in_frames(void **state) {
+    (void)state;
+    chip_pixels *c = chip_new(SIDE, SIDE, 1.0, 31);
+    for (int i = 20; i < SIDE; i += 60) {
+        for (int j = 20; j < SIDE; j += 60) {
+            if (abs(i - 240) > 30 || abs(j - 240) > 30)
+                chip_own(c, i, j, 5.0, i * SIDE + j);
+        }
+    }
+    for (int i = 0; i < SIDE * SIDE; i++)
+        c->value[i] += c->owner[i] != 0 ? 1e4 : 0.0;
+    const cutter_options options = chip_options(c);
+    cut_fixture f;
+    cut_init(&f, c, NULL, &options);
+    int touched = 0;
+    for (int id = 0; id < 300; id++) {
+        assert_int_equal(cut_at(&f, 240, 240, R_GAL, id), 0);
+        double mean = 0.0;
+        for (int i = 0; i < N; i++)
+            mean += f.pair.noise[i] / N;
+        assert_true(fabs(mean) < 0.3);
+        const int x = f.pair.noise_x - FRAME;
+        const int y = f.pair.noise_y - FRAME;
+        for (int i = 0; i < (STAMP + 2 * FRAME) * (STAMP + 2 * FRAME); i++) {
+            const int at = (y + i / (STAMP + 2 * FRAME)) * SIDE + x + i % (STAMP + 2 * FRAME);
+            touched += c->owner[at] != 0;
+        }
+    }
+    assert_true(touched > 100);
+    cut_deinit(&f);
+    chip_free(c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_exactly_the_free_boxes_are_drawn),
@@ -401,6 +437,7 @@ int main(void) {
         cmocka_unit_test(test_white_noise),
         cmocka_unit_test(test_a_noise_image),
         cmocka_unit_test(test_holes_of_noise_stamps),
+        cmocka_unit_test(test_objects_in_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,19 +6,15 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { TOUCHED = 0x80, MOST_DEFECTS_PERCENT = 2 };
+enum { MOST_DEFECTS_PERCENT = 2 };
 
 static int cells_of(int pixels) {
     return (pixels + BOX_CELL - 1) / BOX_CELL;
 }
 
-void box_map_place(box_map *m, int nx, int ny, int split_x, int side, arena *a) {
-    m->nx = nx;
-    m->ny = ny;
-    m->split_x = split_x;
-    m->side = side;
-    m->columns = cells_of(nx);
-    m->rows = cells_of(ny);
+void box_map_place(box_map *m, arena *a) {
+    m->columns = cells_of(m->nx);
+    m->rows = cells_of(m->ny);
     m->cells = arena_take(a, (size_t)m->columns * (size_t)m->rows);
     m->sums = arena_take(a, 2 * (size_t)m->columns * sizeof *m->sums);
     m->closed = arena_take(a, (size_t)m->columns);
@@ -29,7 +25,7 @@ SHEAR_SIMD void box_map_enter(box_map *m, int row, const uint8_t *grown, const u
     for (int i = 0; i < m->columns; i++) {
         const uint8_t *g = grown + (ptrdiff_t)i * BOX_CELL;
         const uint8_t *d = defects + (ptrdiff_t)i * BOX_CELL;
-        const int touched = (g[0] | g[1] | g[2] | g[3]) != 0 ? TOUCHED : 0;
+        const int touched = (g[0] | g[1] | g[2] | g[3]) != 0 ? BOX_TOUCHED : 0;
         cells[i] = (uint8_t)(touched + d[0] + d[1] + d[2] + d[3]);
     }
 }
@@ -39,14 +35,16 @@ static void sum_row(box_map *m, const uint8_t *cells, int sign) {
     int *touched = m->sums;
     int *defects = m->sums + m->columns;
     for (int i = 0; i < m->columns; i++) {
-        touched[i] += sign * (cells[i] / TOUCHED);
-        defects[i] += sign * (cells[i] % TOUCHED);
+        touched[i] += sign * (cells[i] / BOX_TOUCHED);
+        defects[i] += sign * (cells[i] % BOX_TOUCHED);
     }
 }
 
-/* Return whether a box may begin at pixel x. */
+/* Return whether the frame around a stamp that begins at pixel x is on one amplifier. */
 static bool fits(const box_map *m, int x) {
-    return x + m->side <= m->nx && (x >= m->split_x || x + m->side <= m->split_x);
+    const int first = x - m->frame;
+    const int end = x + m->stamp + m->frame;
+    return first >= 0 && end <= m->nx && (first >= m->split_x || end <= m->split_x);
 }
 
 /* Write whether the boxes that begin in the row of cells are free, from the sums over their rows.
@@ -54,8 +52,8 @@ static bool fits(const box_map *m, int x) {
 static void close_row(const box_map *m, uint8_t *closed) {
     const int *touched = m->sums;
     const int *defects = m->sums + m->columns;
-    const int box = cells_of(m->side);
-    const int most = m->side * m->side * MOST_DEFECTS_PERCENT / 100;
+    const int box = cells_of(m->stamp);
+    const int most = m->stamp * m->stamp * MOST_DEFECTS_PERCENT / 100;
     int t = 0;
     int d = 0;
     for (int i = 0; i < m->columns; i++) {
@@ -70,16 +68,18 @@ static void close_row(const box_map *m, uint8_t *closed) {
 }
 
 void box_map_close(box_map *m) {
-    const int box = cells_of(m->side);
+    const int box = cells_of(m->stamp);
     int added = 0;
     for (int j = 0; j < m->rows; j++) {
         uint8_t *cells = m->cells + (size_t)j * (size_t)m->columns;
         for (; added < j + box && added < m->rows; added++)
             sum_row(m, m->cells + (size_t)added * (size_t)m->columns, 1);
         memset(m->closed, 0, (size_t)m->columns);
-        if (j * BOX_CELL + m->side <= m->ny)
+        const int y = j * BOX_CELL;
+        if (y >= m->frame && y + m->stamp + m->frame <= m->ny)
             close_row(m, m->closed);
         sum_row(m, cells, -1);
-        memcpy(cells, m->closed, (size_t)m->columns);
+        for (int i = 0; i < m->columns; i++)
+            cells[i] = (cells[i] & BOX_TOUCHED) | m->closed[i];
     }
 }

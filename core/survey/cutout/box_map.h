@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* survey/cutout/box_map.h: where on a chip an empty box fits, on a grid of 4 px.
+/* survey/cutout/box_map.h: where on a chip a stamp of empty sky can be cut, on a grid of 4 px.
  *
- * First a cell of 4 x 4 px is marked if a grown object touches it, with the number of its defects.
- * box_map_close() makes of this, in the same memory, whether the box that begins in a cell is
- * free: inside the chip, on one amplifier, without a marked cell, and with at most 2 % of defects
- * (those of the cells that it touches, if its side is no multiple of 4). */
+ * A cell of 4 x 4 px is touched if a grown object has a pixel of it. A place is free if the stamp
+ * that begins there touches no such cell, and has at most 2 % of defects (all those of its cells,
+ * if its side is no multiple of 4), and if it lies with its frame inside the chip, on one
+ * amplifier. The frame may hold objects: it is masked like a galaxy's. */
 #pragma once
 
 #include "base/arena.h"
@@ -13,29 +13,34 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { BOX_CELL = 4 };
+enum { BOX_CELL = 4, BOX_TOUCHED = 0x80 };
 
 typedef struct box_map {
     int nx, ny;  /* of the chip, pixels */
     int split_x; /* first column of the second amplifier; 0: one amplifier */
-    int side;    /* of a box */
+    int stamp;   /* side, pixels */
+    int frame;   /* around it, pixels */
     int columns, rows;
-    uint8_t *cells;  /* [rows][columns] */
+    uint8_t *cells;  /* [rows][columns]: BOX_TOUCHED, and the number of defects until
+                        box_map_close(), then whether the place is free */
     int *sums;       /* [2][columns] scratch */
     uint8_t *closed; /* [columns] scratch */
 } box_map;
 
-/* Set the sizes and place the arrays; the same call with memory after one without. */
-void box_map_place(box_map *m, int nx, int ny, int split_x, int side, arena *a);
+/* Place the arrays, for the sizes that are set; call it with memory after a call without. */
+void box_map_place(box_map *m, arena *a);
 /* Enter row `row` of cells, of [4 columns] numbers per column of pixels: whether a grown object
  * touches it, and how many of its 4 pixels are defects. */
 void box_map_enter(box_map *m, int row, const uint8_t *grown, const uint8_t *defects);
-/* Return whether a grown object touches the cell of this pixel; before box_map_close(). */
-static inline bool box_map_touched(const box_map *m, int x, int y) {
-    return m->cells[(size_t)(y / BOX_CELL) * (size_t)m->columns + (size_t)(x / BOX_CELL)] >= 0x80;
-}
+/* Find what is free, once all rows are entered. */
 void box_map_close(box_map *m);
-/* Return the row of marks, [columns] 1: the box whose first pixel is that of the cell is free. */
+
+/* Return whether a grown object touches the cell of this pixel. */
+static inline bool box_map_touched(const box_map *m, int x, int y) {
+    return m->cells[(size_t)(y / BOX_CELL) * (size_t)m->columns + (size_t)(x / BOX_CELL)] >=
+           BOX_TOUCHED;
+}
+/* Return the row of cells, [columns]; bit 0: the stamp whose first pixel is the cell's is free. */
 static inline const uint8_t *box_map_row(const box_map *m, int row) {
     return m->cells + (size_t)row * (size_t)m->columns;
 }

@@ -26,6 +26,7 @@ struct cutter {
     float *sigma;
     uint8_t *defect;
     int32_t *owner;  /* [side + 2 LIGHT_GROW] squared */
+    uint8_t *away;   /* [side][side] not to be used for a noise stamp's plane */
     uint8_t *united; /* [stamp][stamp] masked in any stamp of the pair */
     float *white;    /* [stamp][stamp] the pixels' standard deviations */
     void *memory;    /* of the arrays; owned */
@@ -78,6 +79,7 @@ static void place(cutter *c, arena *a) {
     c->sigma = arena_take(a, n * sizeof *c->sigma);
     c->defect = arena_take(a, n);
     c->owner = arena_take(a, wide * wide * sizeof *c->owner);
+    c->away = arena_take(a, n);
     c->united = arena_take(a, stamp);
     c->white = arena_take(a, stamp * sizeof *c->white);
     c->light.defect = c->defect;
@@ -96,8 +98,12 @@ int cutter_new(cutter **c, chip_pixels *pixels, chip_pixels *noise, const cutter
     new->noise = noise;
     new->side = options->stamp + 2 * FRAME;
     new->light.r_psf_px = options->r_psf_px > 0.0 ? options->r_psf_px : 0.0;
-    TRY(empty_sky_init(&new->sky, pixels, options->nx, options->ny, options->split_x, new->side,
-                       err));
+    new->sky.boxes = (box_map){.nx = options->nx,
+                               .ny = options->ny,
+                               .split_x = options->split_x,
+                               .stamp = options->stamp,
+                               .frame = FRAME};
+    TRY(empty_sky_init(&new->sky, pixels, err));
     arena a = {0};
     place(new, &a);
     new->memory = arena_allocate(&a);
@@ -209,13 +215,32 @@ static double *noise_stamp(const cutter *c, const cutter_pair *pair, int k) {
     return pair->noise + (size_t)k * stamp * stamp;
 }
 
-/* Read a box, and write noise stamp `k` of it. *good is false if it cannot serve this galaxy. */
-static int take_noise(cutter *c, chip_pixels *from, int x, int y, const cutter_pair *pair, int k,
-                      bool *good, shear_error *err) {
+/* Read the box of a noise stamp, which begins at (x, y) with its frame. */
+static int read_noise(const cutter *c, chip_pixels *from, int x, int y, shear_error *err) {
     const pixel_box box = {
         .x = x, .y = y, .nx = c->side, .ny = c->side, .value = c->value, .defect = c->defect};
-    TRY(chip_pixels_read(from, &box, err));
-    *good = unite(c) && write_stamp(c, c->defect, noise_stamp(c, pair, k));
+    return chip_pixels_read(from, &box, err);
+}
+
+/* Return the marks of what is not empty sky in the box that begins at (x, y). */
+static const uint8_t *find_away(const cutter *c, int x, int y) {
+    for (int j = 0; j < c->side; j++) {
+        const uint8_t *cells = box_map_row(&c->sky.boxes, (y + j) / BOX_CELL);
+        uint8_t *away = c->away + (ptrdiff_t)j * c->side;
+        for (int i = 0; i < c->side; i++)
+            away[i] = cells[(unsigned)(x + i) / BOX_CELL] / BOX_TOUCHED;
+    }
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)c->side * c->side; i++)
+        c->away[i] |= c->defect[i];
+    return c->away;
+}
+
+/* Cut noise stamp `k` at (x, y). *good is false if it cannot serve this galaxy. */
+static int take_near(cutter *c, int x, int y, const cutter_pair *pair, int k, bool *good,
+                     shear_error *err) {
+    TRY(read_noise(c, c->pixels, x - FRAME, y - FRAME, err));
+    const uint8_t *away = find_away(c, x - FRAME, y - FRAME);
+    *good = write_stamp(c, away, noise_stamp(c, pair, k)) && unite(c);
     return SHEAR_OK;
 }
 
@@ -227,18 +252,17 @@ static int cut_near(cutter *c, const cutter_source *source, cutter_pair *pair, u
     int rejected = 0;
     int x = 0;
     int y = 0;
-    noise_boxes_find(&c->boxes, pair->x - FRAME, pair->y - FRAME, pair->x + c->options.stamp / 2,
-                     FRAME, key);
+    noise_boxes_find(&c->boxes, pair->x, pair->y, pair->x + c->options.stamp / 2, key);
     for (int k = 0; k < wanted;) {
         if (rejected > MOST_REJECTED || !noise_boxes_draw(&c->boxes, &x, &y)) {
             *flags |= SHEAR_FLAG_NO_NOISE;
             return SHEAR_OK;
         }
         bool good;
-        TRY(take_noise(c, c->pixels, x, y, pair, k, &good, err));
+        TRY(take_near(c, x, y, pair, k, &good, err));
         if (good && k == 0) {
-            pair->noise_x = x + FRAME;
-            pair->noise_y = y + FRAME;
+            pair->noise_x = x;
+            pair->noise_y = y;
         }
         k += good;
         rejected += !good;
@@ -247,11 +271,11 @@ static int cut_near(cutter *c, const cutter_source *source, cutter_pair *pair, u
 }
 
 static int cut_image(cutter *c, cutter_pair *pair, uint32_t *flags, shear_error *err) {
-    bool good;
-    TRY(take_noise(c, c->noise, pair->x - FRAME, pair->y - FRAME, pair, 0, &good, err));
+    TRY(read_noise(c, c->noise, pair->x - FRAME, pair->y - FRAME, err));
     pair->noise_x = pair->x;
     pair->noise_y = pair->y;
-    *flags |= good ? 0 : SHEAR_FLAG_NO_NOISE;
+    if (!write_stamp(c, c->defect, pair->noise) || !unite(c))
+        *flags |= SHEAR_FLAG_NO_NOISE;
     return SHEAR_OK;
 }
 

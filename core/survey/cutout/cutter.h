@@ -21,8 +21,8 @@
  *    For two mock galaxies 22 px apart nothing was wrong; at 18 px m is -0.04 to +0.01, at 14 px
  *    -0.05, whatever the radius of the disc that is filled.
  *
- * 3. Noise stamps near a galaxy are drawn from all free boxes in reach with the same chance
- *    (noise_boxes.h), whatever their pixels: the quietest ones would be biased. A box with a defect
+ * 3. Noise stamps near a galaxy are drawn from all that are free and in reach with the same chance
+ *    (noise_boxes.h), whatever their pixels: the quietest ones would be biased. One with a defect
  *    where the galaxy has its light is left out. White noise has no plane to be subtracted. */
 #pragma once
 

@@ -101,24 +101,22 @@ static int survey(empty_sky *s, band *b, chip_pixels *pixels, shear_error *err) 
     return SHEAR_OK;
 }
 
-static void place(empty_sky *s, int nx, int ny, int split_x, int side, arena *a) {
-    box_map_place(&s->boxes, nx, ny, split_x, side, a);
-    noise_mesh_place(&s->mesh, nx, ny, split_x, a);
+static void place(empty_sky *s, arena *a) {
+    box_map_place(&s->boxes, a);
+    noise_mesh_place(&s->mesh, s->boxes.nx, s->boxes.ny, s->boxes.split_x, a);
 }
 
-int empty_sky_init(empty_sky *s, chip_pixels *pixels, int nx, int ny, int split_x, int side,
-                   shear_error *err) {
-    band b = {.nx = nx, .ny = ny};
+int empty_sky_init(empty_sky *s, chip_pixels *pixels, shear_error *err) {
+    band b = {.nx = s->boxes.nx, .ny = s->boxes.ny};
     arena kept = {0};
     arena scratch = {0};
-    *s = (empty_sky){0};
-    place(s, nx, ny, split_x, side, &kept);
+    place(s, &kept);
     place_band(&b, &scratch);
     s->memory = arena_allocate(&kept);
     CLEANUP(release_free) void *memory = arena_allocate(&scratch);
     if (s->memory == NULL || memory == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    place(s, nx, ny, split_x, side, &kept);
+    place(s, &kept);
     place_band(&b, &scratch);
     return survey(s, &b, pixels, err);
 }

@@ -10,7 +10,7 @@ static const double least_ratio = 0.8;
 static const double most_ratio = 1.25;
 
 static int reach_of(const box_map *m) {
-    const int64_t wide = (int64_t)m->side * REACH_BOXES_HALVES / 2;
+    const int64_t wide = (int64_t)(m->stamp + 2 * m->frame) * REACH_BOXES_HALVES / 2;
     return wide > REACH ? (int)wide : REACH;
 }
 
@@ -26,7 +26,7 @@ void noise_boxes_place(noise_boxes *b, const empty_sky *sky, arena *a) {
     if (b->mesh_column == NULL)
         return;
     for (int i = 0; i < m->columns; i++) {
-        const int x = i * BOX_CELL + m->side / 2;
+        const int x = i * BOX_CELL + m->stamp / 2;
         b->mesh_column[i] = noise_mesh_column(&sky->mesh, x < m->nx ? x : m->nx - 1);
     }
 }
@@ -50,23 +50,23 @@ static int cell_end(int v, int end) {
     return cells < end ? cells : end;
 }
 
-/* List the free boxes of a row of cells, of columns first .. end-1. */
+/* List the free stamps of a row of cells, in columns first .. end-1. */
 static void list_row(noise_boxes *b, int row, int first, int end) {
     const box_map *m = &b->sky->boxes;
     const uint8_t *is_free = box_map_row(m, row);
     const int32_t start = row * m->columns;
     for (int i = first; i < end; i++) {
         b->list[b->n] = start + i;
-        b->n += is_free[i] & b->gate[b->mesh_column[i]];
+        b->n += is_free[i] & 1 & b->gate[b->mesh_column[i]];
     }
 }
 
-void noise_boxes_find(noise_boxes *b, int x, int y, int column, int frame, draw_key key) {
+void noise_boxes_find(noise_boxes *b, int x, int y, int column, draw_key key) {
     const box_map *m = &b->sky->boxes;
     const noise_mesh *mesh = &b->sky->mesh;
     const int reach = reach_of(m);
-    const int apart = m->side - frame;
-    const int middle = m->side / 2;
+    const int apart = m->stamp + m->frame;
+    const int middle = m->stamp / 2;
     const double level = mesh->level[noise_mesh_at(mesh, column, y + middle)];
     const int left = column < m->split_x ? 0 : cell_from(m->split_x);
     const int right = column < m->split_x ? cell_end(m->split_x, m->columns) : m->columns;

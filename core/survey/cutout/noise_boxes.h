@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* survey/cutout/noise_boxes.h: which boxes of empty sky can serve a galaxy.
+/* survey/cutout/noise_boxes.h: which stamps of empty sky can serve a galaxy.
  *
- * They are all free boxes on the grid whose centre is within max(200 px, 2.5 boxes) of the
- * galaxy's, on its amplifier, that do not touch its stamp, and whose noise is 0.8 to 1.25 times
- * that at the galaxy. They come in an order that only chip and source decide: each is equally
- * likely to be the next one, whatever its pixels. */
+ * They are all free ones on the grid (box_map.h) whose centre is within 200 px of the galaxy's (2.5
+ * stamps with their frames, if that is more), on its amplifier, whose frame does not overlap its
+ * stamp, and whose noise is 0.8 to 1.25 times that at the galaxy. They come in an order that only
+ * chip and source decide: each is equally likely to be the next one, whatever its pixels. */
 #pragma once
 
 #include "survey/cutout/draw.h"
@@ -12,17 +12,17 @@
 
 typedef struct noise_boxes {
     const empty_sky *sky;
-    int32_t *list;        /* [n] cells in which they begin; those before `next` are drawn */
+    int32_t *list;        /* [n] their cells; those before `next` are drawn */
     uint8_t *gate;        /* [columns of meshes] scratch */
-    int32_t *mesh_column; /* [columns of cells] of a box's centre */
+    int32_t *mesh_column; /* [columns of cells] of a stamp's centre */
     uint32_t n, next;
     draw_key key;
 } noise_boxes;
 
 /* Place the memory for the most boxes that there can be. */
 void noise_boxes_place(noise_boxes *b, const empty_sky *sky, arena *a);
-/* Find the boxes for a galaxy whose box begins at (x, y), and whose position is in pixel column
- * `column`; frame: the part of a box around a stamp, pixels. */
-void noise_boxes_find(noise_boxes *b, int x, int y, int column, int frame, draw_key key);
-/* Draw the next box, its first pixel; false: no more. */
+/* Find the stamps for a galaxy whose stamp begins at (x, y), and whose position is in pixel column
+ * `column`. */
+void noise_boxes_find(noise_boxes *b, int x, int y, int column, draw_key key);
+/* Draw the next stamp, its first pixel; false: no more. */
 bool noise_boxes_draw(noise_boxes *b, int *x, int *y);
