@@ -57,9 +57,10 @@ void psf_sky_scratch_place(psf_sky_scratch *s, int nx, int ny, arena *a) {
     s->y = arena_doubles(a, 2 * (size_t)half(ny) * FFT_LANES);
 }
 
-/* Fold the image at its middle: element (x, y) is x or x + 1/2 samples from it. On an axis of an
- * odd number of samples the middle one is its own mirror image. */
-static void fold(const psf_sky_scratch *s, int nx, int ny, double scale) {
+/* Split the image into its parts of even and odd parity about its middle: element (x, y) is x or x
+ * + 1/2 samples from it. On an axis of an odd number of samples the middle one is its own mirror
+ * image. */
+static void split_parities(const psf_sky_scratch *s, int nx, int ny, double scale) {
     const size_t width = (size_t)half(nx);
     for (int y = 0; y < half(ny); y++) {
         const double *up = s->image + (size_t)(ny / 2 + y) * (size_t)nx;
@@ -254,7 +255,7 @@ bool psf_sky_power(const psf_sky *s, psf_sky_scratch *scratch, const mode_plane 
     const slope u = {m->step * map.a[0] * ux, m->step * map.a[1] * uy};
     const slope v = {m->step * map.a[2] * ux, m->step * map.a[3] * uy};
     psf_model_sum(m->samples, m->terms, (size_t)m->nx * (size_t)m->ny, c, scratch->image);
-    fold(scratch, m->nx, m->ny, 1.0 / flux);
+    split_parities(scratch, m->nx, m->ny, 1.0 / flux);
     for (int group = 0; group * FFT_LANES <= aim->jy; group++) {
         const int last = target_last_jx(aim, p, aim->limit, group * FFT_LANES, aim->jx);
         fill_group(s, scratch, p, &u, &v, group, last, power);

@@ -31,8 +31,8 @@ static int locate_psf(field_file *f, int64_t id, shear_block *block, int32_t *in
     const shear_geometry *g = &f->base.info.geometry;
     *index = stamps->n_psf++;
     block->psf_id[*index] = id;
-    return shear_field_read_psf(&f->base, id, block->psf + (int64_t)*index * g->psf_nx * g->psf_ny,
-                                err);
+    return sf_image_planes(&f->psf, id, 1, block->psf + (int64_t)*index * g->psf_nx * g->psf_ny,
+                           err);
 }
 
 static int read_psf_by_id(field_file *f, int64_t first, int count, shear_block *block,
