@@ -447,8 +447,11 @@ static void test_impossible_options(void **state) {
     o.split_x = -1;
     refuse(c, &o, SHEAR_E_SETTING, "column -1");
     o = good;
-    o.nx = o.ny = 1000000;
+    o.nx = o.ny = 199999;
     refuse(c, &o, SHEAR_E_FORMAT, "too large");
+    o.nx = 10;
+    o.ny = 200001;
+    refuse(c, &o, SHEAR_E_FORMAT, "200000 px a side");
     chip_free(c);
 }
 

@@ -7,13 +7,16 @@
 #include "survey/cutout/noise_boxes.h"
 #include "survey/cutout/plane.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
 enum {
-    FRAME = 8,          /* pixels on each side of a stamp */
-    MOST_REJECTED = 256 /* noise boxes, before a galaxy is given up */
+    FRAME = 8,           /* pixels on each side of a stamp */
+    MOST_REJECTED = 256, /* noise boxes, before a galaxy is given up */
+    MOST_SIDE = 200000   /* of a chip: a band of 64 rows is in memory */
 };
+static const int64_t most_pixels = (int64_t)1 << 34; /* a billion cells */
 
 struct cutter {
     cutter_options options;
@@ -62,9 +65,11 @@ static int check_options(const cutter_options *o, const chip_pixels *noise, shea
         return shear_fail(err, SHEAR_E_SETTING, NULL,
                           "the second amplifier begins in column %d of %d", o->split_x, o->nx);
     }
-    if ((int64_t)o->nx * o->ny / (BOX_CELL * BOX_CELL) > INT32_MAX / 2) {
-        return shear_fail(err, SHEAR_E_FORMAT, NULL, "a chip of %d x %d px is too large", o->nx,
-                          o->ny);
+    if (o->nx > MOST_SIDE || o->ny > MOST_SIDE || (int64_t)o->nx * o->ny > most_pixels) {
+        return shear_fail(err, SHEAR_E_FORMAT, "cut it into smaller images",
+                          "a chip of %d x %d px is too large: expected %d px a side and %" PRId64
+                          " in all, at most",
+                          o->nx, o->ny, MOST_SIDE, most_pixels);
     }
     return SHEAR_OK;
 }

@@ -19,7 +19,9 @@
  *      what shines beyond the other's isophote would remain in the light, or be taken with it;
  *    - or less than 30 % of the frame is left, for whatever reason but defects.
  *    For two mock galaxies 22 px apart nothing was wrong; at 18 px m is -0.04 to +0.01, at 14 px
- *    -0.05, whatever the radius of the disc that is filled.
+ *    -0.05, whatever the radius of the disc that is filled. Where all galaxies have a neighbour
+ * like themselves, with isophotes at 2 sigma, those that remain have m = +0.004 at 20 px, +0.001 at
+ *    24 px, by the light beyond what is masked.
  *
  * 3. Noise stamps near a galaxy are drawn from all that are free and in reach with the same chance
  *    (noise_boxes.h), whatever their pixels: the quietest ones would be biased. One with a defect
@@ -62,8 +64,8 @@ typedef struct cutter_pair {
                              stamps are zero with any of them */
     double filled;        /* part of the stamp's pixels that was filled; 0 if flagged */
     double sigma;         /* local standard deviation; NaN: unknown */
-    int x, y;             /* first pixel of the stamp, from 0; -1: no position */
-    int noise_x, noise_y; /* the same of the first noise stamp; -1: it is no box of the chip */
+    int x, y;             /* first pixel of the stamp, from 0; undefined without a position */
+    int noise_x, noise_y; /* the same of the first noise stamp; undefined for white noise */
 } cutter_pair;
 /* Cut one pair: the stamp's pixel [stamp/2][stamp/2] is the nearest to the source. Errors are those
  * of reading; what is wrong with the galaxy is a flag. A galaxy with another flag is not searched
