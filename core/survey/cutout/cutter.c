@@ -232,6 +232,10 @@ static const uint8_t *find_away(const cutter *c, int x, int y) {
     for (int j = 0; j < c->side; j++) {
         const uint8_t *cells = box_map_row(&c->sky.boxes, (y + j) / BOX_CELL);
         uint8_t *away = c->away + (ptrdiff_t)j * c->side;
+        if (j > 0 && (y + j) % BOX_CELL != 0) { /* the same cells as above */
+            memcpy(away, away - c->side, (size_t)c->side);
+            continue;
+        }
         for (int i = 0; i < c->side; i++)
             away[i] = cells[(unsigned)(x + i) / BOX_CELL] / BOX_TOUCHED;
     }
