@@ -34,7 +34,7 @@ static void do_psf(stage_pair *s) {
     shear_workspace *ws = s->ws;
     const transfer_plan *p = &s->plan->transfer_plan;
     psf_transform_power(&s->plan->psf_transform, &ws->psf_scratch, s->psf, ws->power, NULL);
-    transfer_make(&ws->transfer, p, &p->target, ws->power, NULL);
+    transfer_make(&ws->transfer, p, ws->power, NULL);
 }
 
 static void interpolate(const stage_pair *s, surface *im, const double *pixels) {

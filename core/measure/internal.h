@@ -4,6 +4,7 @@
 
 #include "fft/fft.h"
 #include "measure/filter.h"
+#include "measure/galaxy_transfer.h"
 #include "measure/high_power.h"
 #include "measure/moments.h"
 #include "measure/photometry.h"
@@ -58,10 +59,9 @@ struct shear_plan {
 /* Fill the tables of the models; look at the PSF of the request's typical galaxy, if it has one.
  * SHEAR_E_BETA, SHEAR_E_PSF, SHEAR_E_NOMEM. */
 int plan_models_fill(shear_plan *plan, const shear_plan_request *request, shear_error *err);
-/* Compute |W|^2 of a galaxy, as psf_basis_power and psf_sky_power do. */
-bool plan_model_power(const plan_model *m, psf_sky_scratch *scratch, const mode_plane *p,
-                      const target *aim, const double *jacobian, const double *terms,
-                      double *power);
+/* Note the cut of the field's one PSF or a typical galaxy's, in the pixel frame, and how far modes
+ * count: a little farther than with it, unless a cut has ended them. */
+void plan_note_transfer(shear_plan *plan, const transfer *t);
 /* Count the bytes that plan_models_fill takes for a while. */
 void plan_models_scratch(const shear_plan *plan, const shear_plan_request *request, arena *a);
 
@@ -83,7 +83,7 @@ struct shear_workspace {
     psf_direct direct;       /* ... or directly */
     psf_sky_scratch psf_sky; /* the samples of the stamp's PSF, from its model */
     double *power;           /* |W|^2 of the stamp's own PSF */
-    target target;           /* in a frame on the sky */
+    target_aim aim;          /* at the target in the stamp's frame */
     transfer transfer;       /* unless the plan's serves all */
     /* brightest pixel of each strip of the galaxy stamp */
     double strip_most[SHEAR_MAX_SIDE / FFT_LANES];

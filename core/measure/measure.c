@@ -243,7 +243,7 @@ static bool begin_row(const stamp_pair *s, shear_row *row) {
 
 /* Take the sums over modes to the frame of the moments. */
 static void take_to_frame(const stamp_pair *s, spectra *sp) {
-    const frame_map *map = &s->ws->target.map;
+    const frame_map *map = &s->ws->aim.map;
     if (s->plan->info.frame == SHEAR_FRAME_PIXEL)
         return;
     moments_take_to_frame(&sp->difference, map);

@@ -37,74 +37,80 @@ static const double *power_of_image(const stamp_pair *s, const double *psf) {
         const int code = plan->by_fft ? psf_transform_power(&plan->psf_transform, &ws->psf_scratch,
                                                             psf, ws->power, NULL)
                                       : psf_direct_power(&ws->direct, &p->plane, &plan->waves,
-                                                         &p->target, psf, ws->power, NULL);
+                                                         &p->target.aim, psf, ws->power, NULL);
         ws->power_of = code == SHEAR_OK ? psf : NULL;
     }
     return ws->power_of != NULL ? ws->power : NULL;
 }
 
-/* Return |W|^2 of the pair's model; NULL if it is unusable. */
-static const double *power_of_model(const stamp_pair *s, const target *aim) {
+/* Choose |W|^2 of the pair's model. `scaled` is memory for its coefficients. */
+static bool choose_model(const stamp_pair *s, double *scaled, galaxy_power *power) {
     shear_workspace *ws = s->ws;
     const double *terms;
     const int i = pair_transfer_model(s, &terms);
-    const double *jacobian =
-        s->stamps->jacobian != NULL ? s->stamps->jacobian + 4 * (size_t)s->i : NULL;
-    return i >= 0 &&
-                   plan_model_power(&s->plan->models[i], &ws->psf_sky,
-                                    &s->plan->transfer_plan.plane, aim, jacobian, terms, ws->power)
-               ? ws->power
-               : NULL;
+    if (i < 0)
+        return false;
+    const plan_model *m = &s->plan->models[i];
+    if (m->model.axes != SHEAR_PSF_AXES_SKY) {
+        *power = (galaxy_power){.basis = &m->basis, .terms = scaled};
+        return psf_basis_scale(&m->basis, terms, scaled);
+    }
+    *power = (galaxy_power){.table = ws->power};
+    return psf_sky_power(&m->sky, &ws->psf_sky, &s->plan->transfer_plan.plane, &ws->aim,
+                         s->stamps->jacobian + 4 * (size_t)s->i, terms, ws->power);
 }
 
-/* Return |W|^2 of the pair's PSF; NULL if it is unusable. image: the pair's own, or NULL. */
-static const double *choose_power(const stamp_pair *s, const target *aim, const double *image) {
-    if (s->plan->has_psf)
-        return s->plan->power;
+/* Choose |W|^2 of the pair's PSF. Return false if it is unusable. */
+static bool choose_power(const stamp_pair *s, double *scaled, galaxy_power *power) {
     if (s->plan->n_models > 0)
-        return power_of_model(s, aim);
-    return image != NULL ? power_of_image(s, image) : NULL;
+        return choose_model(s, scaled, power);
+    const double *image = s->plan->has_psf ? NULL : pair_transfer_image(s);
+    *power = (galaxy_power){.table = s->plan->has_psf ? s->plan->power
+                                     : image != NULL  ? power_of_image(s, image)
+                                                      : NULL};
+    return power->table != NULL;
 }
 
-/* Return the target in the pair's frame; NULL if its Jacobian is no map. */
-static const target *choose_target(const stamp_pair *s) {
+/* Make the transfer of a pair whose PSF is a model, or whose frame is on the sky. Return the flag
+ * of what is wrong, or 0. */
+static uint32_t make_galaxys(const stamp_pair *s) {
     const shear_plan *plan = s->plan;
     const transfer_plan *p = &plan->transfer_plan;
-    frame_map map;
-    if (plan->info.frame == SHEAR_FRAME_PIXEL)
-        return &p->target;
-    if (!frame_map_make(&map, s->stamps->jacobian + 4 * (size_t)s->i, plan->info.frame))
-        return NULL;
-    target_fill_sky(&s->ws->target, &p->plane, &map, plan->info.beta, p->s, p->farthest);
-    return &s->ws->target;
+    double scaled[SHEAR_MAX_PSF_TERMS];
+    frame_map map = frame_map_pixel;
+    galaxy_power power;
+    if (plan->info.frame != SHEAR_FRAME_PIXEL &&
+        !frame_map_make(&map, s->stamps->jacobian + 4 * (size_t)s->i, plan->info.frame)) {
+        return SHEAR_FLAG_NO_POSITION;
+    }
+    s->ws->aim = target_aim_at(&p->plane, &map, plan->info.beta, p->farthest);
+    return choose_power(s, scaled, &power) &&
+                   galaxy_transfer_make(&s->ws->transfer, p, &s->ws->aim, &power)
+               ? 0
+               : SHEAR_FLAG_PSF_UNUSABLE;
 }
 
-/* Make the transfer in the workspace. Return the flag of what is wrong, or 0. */
-static uint32_t make(stamp_pair *s) {
+/* Make the transfer of a pair with a PSF image, in the pixel frame. */
+static uint32_t make_images(const stamp_pair *s) {
     shear_workspace *ws = s->ws;
-    const bool pixel = s->plan->info.frame == SHEAR_FRAME_PIXEL;
-    const double *image = s->plan->n_models == 0 ? pair_transfer_image(s) : NULL;
-    if (pixel && image != NULL && image == ws->transfer_of)
+    const double *image = pair_transfer_image(s);
+    if (image != NULL && image == ws->transfer_of)
         return 0;
-    ws->transfer_of = NULL;
-    const target *aim = choose_target(s);
-    if (aim == NULL)
-        return SHEAR_FLAG_NO_POSITION;
-    const double *power = choose_power(s, aim, image);
-    if (power == NULL ||
-        transfer_make(&ws->transfer, &s->plan->transfer_plan, aim, power, NULL) != SHEAR_OK) {
-        return SHEAR_FLAG_PSF_UNUSABLE;
-    }
-    ws->transfer_of = image;
-    return 0;
+    const double *power = image != NULL ? power_of_image(s, image) : NULL;
+    const bool made = power != NULL && transfer_make(&ws->transfer, &s->plan->transfer_plan, power,
+                                                     NULL) == SHEAR_OK;
+    ws->transfer_of = made ? image : NULL;
+    return made ? 0 : SHEAR_FLAG_PSF_UNUSABLE;
 }
 
 void pair_transfer_choose(stamp_pair *s, uint32_t *flags) {
-    if (s->plan->has_transfer) {
-        s->transfer = &s->plan->transfer;
+    const shear_plan *plan = s->plan;
+    if (plan->has_transfer) {
+        s->transfer = &plan->transfer;
         return;
     }
-    const uint32_t wrong = make(s);
+    const bool image = plan->n_models == 0 && plan->info.frame == SHEAR_FRAME_PIXEL;
+    const uint32_t wrong = image ? make_images(s) : make_galaxys(s);
     *flags |= wrong;
     s->transfer = wrong == 0 ? &s->ws->transfer : NULL;
 }

@@ -96,9 +96,9 @@ static void place_transfers(shear_plan *plan, const shear_psf_model *models, are
                         .threshold = set->psf_threshold,
                         .power_tolerance = set->power_tolerance,
                         .farthest = target_farthest(info->beta, set->psf_threshold)};
-    target_place(&tp->target, &tp->plane, false, a);
+    target_place(&tp->target, &tp->plane, a);
     if (a->memory != NULL)
-        target_fill_pixel(&tp->target, &tp->plane, info->beta_px, tp->s);
+        target_fill(&tp->target, &tp->plane, info->beta_px, tp->s);
     place_psfs(plan, models, a);
     if (plan->has_psf) {
         plan->power = arena_doubles(a, tp->plane.size);
@@ -186,10 +186,10 @@ static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) 
     image_scratch_place(&scratch, plan, &a);
     TRY(plan->by_fft
             ? psf_transform_power(&plan->psf_transform, &scratch.by_fft, psf, plan->power, err)
-            : psf_direct_power(&scratch.direct, &tp->plane, &plan->waves, &tp->target, psf,
+            : psf_direct_power(&scratch.direct, &tp->plane, &plan->waves, &tp->target.aim, psf,
                                plan->power, err));
-    TRY(transfer_make(&plan->transfer, tp, &tp->target, plan->power, err));
-    plan->info.k_cut = plan->transfer.k_cut;
+    TRY(transfer_make(&plan->transfer, tp, plan->power, err));
+    plan_note_transfer(plan, &plan->transfer);
     plan->flat = moments_of_flat(&tp->plane, &plan->transfer);
     plan->sharpness = sharpness_of(psf, g->psf_nx, g->psf_ny, g->psf_oversample);
     plan->suspicious = plan->sharpness;

@@ -74,26 +74,28 @@ static int fill(plan_model *m, const mode_plane *p, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Set what makes a stamp suspicious, somewhat less than what the typical PSF allows, and how far
- * modes count, somewhat farther than with the typical PSF. */
-static void set_limits(shear_plan *plan, const shear_psf_model *m, const typical_scratch *s) {
-    static const double margin = 1.15;
-    static const double of_ratio = 0.8;
-    const double q = psf_model_sampling(m, plan->pixel_scale);
-    transfer_plan *tp = &plan->transfer_plan;
-    plan->info.k_cut = s->transfer.k_cut;
-    plan->sharpness = sharpness_of(s->sky.image, m->nx, m->ny, q);
-    plan->suspicious.ratio = 1.0 + of_ratio * (plan->sharpness.ratio - 1.0);
-    tp->farthest = fmin(tp->farthest, margin * s->transfer.k_reach / plan->unit);
-    target_limit(&tp->target, &tp->plane, tp->farthest * plan->unit);
+void plan_note_transfer(shear_plan *plan, const transfer *t) {
+    static const double margin = 1.05;
+    plan->info.k_cut = t->k_cut;
+    if (margin * t->k_reach < t->k_cut)
+        plan->transfer_plan.farthest = margin * t->k_reach / plan->unit;
 }
 
-bool plan_model_power(const plan_model *m, psf_sky_scratch *scratch, const mode_plane *p,
-                      const target *aim, const double *jacobian, const double *terms,
-                      double *power) {
+/* Set what makes a stamp suspicious: somewhat less than what the typical PSF allows. */
+static void set_sharpness(shear_plan *plan, const shear_psf_model *m, const double *image) {
+    static const double part = 0.8;
+    const double q = psf_model_sampling(m, plan->pixel_scale);
+    plan->sharpness = sharpness_of(image, m->nx, m->ny, q);
+    plan->suspicious.ratio = 1.0 + part * (plan->sharpness.ratio - 1.0);
+}
+
+static bool power_of(const plan_model *m, typical_scratch *s, const transfer_plan *tp,
+                     const shear_plan *plan, const double *terms) {
+    const double jacobian[4] = {plan->pixel_scale, 0.0, 0.0, plan->pixel_scale};
+    const target_aim *aim = &tp->target.aim;
     return m->model.axes == SHEAR_PSF_AXES_SKY
-               ? psf_sky_power(&m->sky, scratch, p, aim, jacobian, terms, power)
-               : psf_basis_power(&m->basis, p, aim, terms, power);
+               ? psf_sky_power(&m->sky, &s->sky, &tp->plane, aim, jacobian, terms, s->power)
+               : psf_basis_power(&m->basis, &tp->plane, aim, terms, s->power);
 }
 
 /* Look at the typical galaxy: is beta large enough? */
@@ -102,7 +104,6 @@ static int look_at_typical(shear_plan *plan, const shear_plan_request *request, 
     if (request->terms == NULL)
         return SHEAR_OK;
     const plan_model *m = &plan->models[request->model];
-    const double jacobian[4] = {plan->pixel_scale, 0.0, 0.0, plan->pixel_scale};
     typical_scratch s;
     arena a = {0};
     typical_scratch_place(&s, &tp->plane, &m->model, &a);
@@ -110,13 +111,14 @@ static int look_at_typical(shear_plan *plan, const shear_plan_request *request, 
     if (memory == NULL)
         return out_of_memory(err);
     typical_scratch_place(&s, &tp->plane, &m->model, &a);
-    if (!plan_model_power(m, &s.sky, &tp->plane, &tp->target, jacobian, request->terms, s.power)) {
+    if (!power_of(m, &s, tp, plan, request->terms)) {
         return shear_fail(err, SHEAR_E_PSF, NULL, "the PSF of a typical galaxy has no flux");
     }
-    TRY(transfer_make(&s.transfer, tp, &tp->target, s.power, err));
+    TRY(transfer_make(&s.transfer, tp, s.power, err));
     if (!psf_model_draw(&m->model, request->terms, s.sky.image))
         return out_of_memory(err);
-    set_limits(plan, &m->model, &s);
+    set_sharpness(plan, &m->model, s.sky.image);
+    plan_note_transfer(plan, &s.transfer);
     return SHEAR_OK;
 }
 

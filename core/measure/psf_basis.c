@@ -4,8 +4,7 @@
 #include "base/simd.h"
 #include "shear/psf.h"
 
-/* Return the values of one column of a group. */
-static size_t column_size(const psf_basis *b) {
+size_t psf_basis_column_size(const psf_basis *b) {
     return (size_t)b->terms * (size_t)b->parts * FFT_LANES;
 }
 
@@ -16,16 +15,26 @@ static int reach_of(const mode_plane *p, int group) {
     return jx < p->max_jx ? jx : p->max_jx;
 }
 
+const double *psf_basis_column(const psf_basis *b, int group) {
+    return b->values + b->middle[group];
+}
+
 void psf_basis_place(psf_basis *b, const mode_plane *p, int terms, int parts, arena *a) {
     *b = (psf_basis){.terms = terms, .parts = parts, .groups = (int)(p->stride / FFT_LANES)};
+    const size_t groups = (size_t)b->groups;
     size_t columns = 0;
-    for (int group = 0; group < b->groups; group++)
-        columns += 2 * (size_t)reach_of(p, group) + 1;
-    b->reach = arena_take(a, (size_t)b->groups * sizeof *b->reach);
+    b->reach = arena_take(a, groups * sizeof *b->reach);
+    b->middle = arena_take(a, groups * sizeof *b->middle);
+    for (int group = 0; group < b->groups; group++) {
+        const int reach = reach_of(p, group);
+        if (a->memory != NULL) {
+            b->reach[group] = reach;
+            b->middle[group] = (columns + (size_t)reach) * psf_basis_column_size(b);
+        }
+        columns += 2 * (size_t)reach + 1;
+    }
     b->flux = arena_doubles(a, (size_t)terms);
-    b->values = arena_doubles(a, columns * column_size(b));
-    for (int group = 0; group < b->groups && a->memory != NULL; group++)
-        b->reach[group] = reach_of(p, group);
+    b->values = arena_doubles(a, columns * psf_basis_column_size(b));
 }
 
 static double sum_of(const double *samples, size_t n) {
@@ -45,10 +54,10 @@ void psf_basis_fill(psf_basis *b, const mode_plane *p, const psf_waves *w, const
             psf_waves_along_y(w, samples + (size_t)t * size, group, rows);
             for (int jx = -b->reach[group]; jx <= b->reach[group]; jx++) {
                 psf_waves_along_x(w, p, rows, jx, column);
-                column += column_size(b);
+                column += psf_basis_column_size(b);
             }
         }
-        values += (2 * (size_t)b->reach[group] + 1) * column_size(b);
+        values += (2 * (size_t)b->reach[group] + 1) * psf_basis_column_size(b);
     }
     for (int t = 0; t < b->terms; t++)
         b->flux[t] = sum_of(samples + (size_t)t * size, size);
@@ -113,8 +122,7 @@ SHEAR_SIMD static void combine_power(const double *values, const double *c, size
     }
 }
 
-/* Scale the coefficients so that W(0) = 1. */
-static bool normalise(const psf_basis *b, const double *c, double *scaled) {
+bool psf_basis_scale(const psf_basis *b, const double *c, double *scaled) {
     double flux = 0.0;
     bool finite = true;
     for (int t = 0; t < b->terms; t++)
@@ -126,20 +134,17 @@ static bool normalise(const psf_basis *b, const double *c, double *scaled) {
     return finite && flux > 0.0 && isnormal(1.0 / flux);
 }
 
-bool psf_basis_power(const psf_basis *b, const mode_plane *p, const target *aim, const double *c,
-                     double *power) {
+bool psf_basis_power(const psf_basis *b, const mode_plane *p, const target_aim *aim,
+                     const double *c, double *power) {
     double scaled[SHEAR_MAX_PSF_TERMS];
-    const double *values = b->values;
-    if (!normalise(b, c, scaled))
+    if (!psf_basis_scale(b, c, scaled))
         return false;
     for (int group = 0; group * FFT_LANES <= aim->jy; group++) {
-        const int reach = b->reach[group];
-        const int wanted = target_last_jx(aim, p, aim->limit, group * FFT_LANES, reach);
-        const size_t skipped = (size_t)(reach - wanted) * column_size(b);
+        const int last = target_last_jx(aim, p, aim->limit, group * FFT_LANES, b->reach[group]);
         (b->parts == 2 ? combine : combine_power)(
-            values + skipped, scaled, (size_t)b->terms, 2 * (size_t)wanted + 1, p->stride,
-            power + mode_plane_column(p, -wanted) + (size_t)group * FFT_LANES);
-        values += (2 * (size_t)reach + 1) * column_size(b);
+            psf_basis_column(b, group) - (ptrdiff_t)psf_basis_column_size(b) * last, scaled,
+            (size_t)b->terms, 2 * (size_t)last + 1, p->stride,
+            power + mode_plane_column(p, -last) + (size_t)group * FFT_LANES);
     }
     return true;
 }

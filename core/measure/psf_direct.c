@@ -9,7 +9,7 @@ void psf_direct_place(psf_direct *d, const mode_plane *p, const psf_waves *w, ar
     d->rows = arena_doubles(a, 2 * FFT_LANES * (size_t)w->nx);
 }
 
-int psf_direct_power(psf_direct *d, const mode_plane *p, const psf_waves *w, const target *aim,
+int psf_direct_power(psf_direct *d, const mode_plane *p, const psf_waves *w, const target_aim *aim,
                      const double *psf, double *power, shear_error *err) {
     static const double one = 1.0;
     TRY(shear_psf_usable(psf, w->nx, w->ny, err));

@@ -14,5 +14,5 @@ void psf_direct_place(psf_direct *d, const mode_plane *p, const psf_waves *w, ar
 
 /* Compute |W|^2 of an image into power[2 max_jx + 1][stride], where |k| < k_limit; W(0) = 1.
  * SHEAR_E_PSF. */
-int psf_direct_power(psf_direct *d, const mode_plane *p, const psf_waves *w, const target *aim,
+int psf_direct_power(psf_direct *d, const mode_plane *p, const psf_waves *w, const target_aim *aim,
                      const double *psf, double *power, shear_error *err);

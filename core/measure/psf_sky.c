@@ -240,7 +240,7 @@ static void fill_group(const psf_sky *s, const psf_sky_scratch *scratch, const m
 }
 
 bool psf_sky_power(const psf_sky *s, psf_sky_scratch *scratch, const mode_plane *p,
-                   const target *aim, const double *jacobian, const double *c, double *power) {
+                   const target_aim *aim, const double *jacobian, const double *c, double *power) {
     const shear_psf_model *m = s->model;
     const double ux = 2.0 * M_PI / p->nx;
     const double uy = 2.0 * M_PI / p->ny;

@@ -29,4 +29,4 @@ void psf_sky_scratch_place(psf_sky_scratch *s, int nx, int ny, arena *a);
  * 1][stride], where |q| < aim->limit. Return false if they are not those of a PSF, or its Jacobian
  * is no map. */
 bool psf_sky_power(const psf_sky *s, psf_sky_scratch *scratch, const mode_plane *p,
-                   const target *aim, const double *jacobian, const double *c, double *power);
+                   const target_aim *aim, const double *jacobian, const double *c, double *power);

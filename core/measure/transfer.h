@@ -6,12 +6,15 @@
 #include "measure/target.h"
 #include "shear/error.h"
 
+#include <stdbool.h>
+
 /* What the transfers of one plan have in common. Immutable. */
 typedef struct transfer_plan {
     mode_plane plane;
     int s; /* fine pixels per pixel of the stamps */
     double threshold, power_tolerance;
-    double farthest; /* frames on the sky: modes at |q| >= farthest never count */
+    double farthest; /* modes at |q| >= farthest do not count for galaxies that have a PSF model, or
+                        a frame on the sky */
     target target;   /* of the pixel frame */
 } transfer_plan;
 
@@ -27,9 +30,12 @@ void transfer_place(transfer *t, const mode_plane *p, arena *a);
 
 /* Make T from |W|^2, W(0) = 1, on the modes where |q| < aim->limit; any others may hold any
  * number. SHEAR_E_BETA. */
-int transfer_make(transfer *t, const transfer_plan *p, const target *aim, const double *power,
-                  shear_error *err);
+int transfer_make(transfer *t, const transfer_plan *p, const double *power, shear_error *err);
 
+/* Return the limit of |k|^2 inside a cut. */
+double transfer_inside(double k_cut);
+/* Return whether enough of the target's power lies inside a cut (power_tolerance). */
+bool transfer_sees(const transfer_plan *p, double beta, double k_cut);
 /* Return the part of the target's power, weighted with k^4 as in M4, that lies beyond k_cut: (1 + x
  * + x^2/2) exp(-x) with x = (beta k_cut)^2. */
 double transfer_power_beyond(double beta_px, double k_cut);

@@ -20,8 +20,6 @@ static void place_transfer(shear_workspace *ws, const shear_plan *plan, arena *a
     if (plan->has_transfer)
         return;
     transfer_place(&ws->transfer, p, a);
-    if (plan->info.frame != SHEAR_FRAME_PIXEL)
-        target_place(&ws->target, p, true, a);
     if (!plan->has_psf)
         ws->power = arena_doubles(a, p->size);
     if (plan->n_models > 0)
