@@ -231,7 +231,7 @@ static const char *model_fault(const shear_psf_model *m, int terms, const shear_
                    (modes && (m->nx != g->nx || m->ny != g->ny))
                ? "size of its planes"
            : !modes && (!(m->step > 0.0) || !isfinite(m->step)) ? "step"
-           : m->lanczos < 0 || m->lanczos > 16                  ? "order of the Lanczos kernel"
+           : m->lanczos < 0 || m->lanczos > 32                  ? "order of the Lanczos kernel"
                                                                 : NULL;
 }
 

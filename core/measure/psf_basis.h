@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/psf_basis.h: a PSF model on the modes of a stamp (docs/method.md, section 3.2).
+/* measure/psf_basis.h: a PSF model on the modes of a stamp (docs/method.md, section 3.3).
  *
  * W(k) = sum_t c_t B_t(k); the B_t are transformed once for all galaxies, from the raw samples at
  * their own step. With SHEAR_PSF_AXES_MODES it is |W|^2 that is such a sum. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/psf_sky.h: |W|^2 of a PSF model whose samples lie along the axes of the sky, on the modes
- * of a galaxy's stamp: W(k) = W_uv(q), q = J^-T k (docs/method.md, section 3.2). */
+ * of a galaxy's stamp: W(k) = W_uv(q), q = J^-T k (docs/method.md, section 3.3). */
 #pragma once
 
 #include "measure/target.h"
