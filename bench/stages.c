@@ -78,8 +78,7 @@ static void do_moments(stage_pair *s) {
                                 .down = s->ws->lanes[2],
                                 .nx = s->plan->info.fine_nx,
                                 .group = group};
-        moments_add(&s->sum, &s->noise_sum, &rows, &s->plan->transfer_plan.plane,
-                    s->transfer);
+        moments_add(&s->sum, &s->noise_sum, &rows, &s->plan->transfer_plan.plane, s->transfer);
     }
 }
 

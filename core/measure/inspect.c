@@ -101,9 +101,10 @@ static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const tran
         const mode_rows rows = pack_transform_rows(plan, ws, group);
         const int left = t->jy - group * FFT_LANES;
         for (int l = 0; l < FFT_LANES && l <= left; l++) {
-            for (int jx = -t->jx; jx <= t->jx; jx++)
+            for (int jx = -t->jx; jx <= t->jx; jx++) {
                 put_mode(p, plan->info.oversample, t, jx, group * FFT_LANES + l,
                          moments_power(&rows, jx, l) - flat, out);
+            }
         }
     }
 }
