@@ -3,6 +3,8 @@
 
 #include "base/simd.h"
 
+#include <string.h>
+
 /* A group of rows while T is made; from column to column along x. */
 typedef struct group_rows {
     double power[FFT_LANES]; /* the target in column 0, with the factors of T */
@@ -145,6 +147,16 @@ SHEAR_SIMD static void fill_from_table(group_rows *g, const group_columns *t) {
     fill_columns(TABLE, g, t);
 }
 
+/* Set T = 0 in a group's columns beyond its last one. */
+static void clear_beyond(const transfer *t, const mode_plane *m, int group) {
+    for (int jx = t->reach[group] + 1; jx <= t->jx; jx++) {
+        double *right = t->t + mode_plane_column(m, jx) + (size_t)group * FFT_LANES;
+        double *left = t->t + mode_plane_column(m, -jx) + (size_t)group * FFT_LANES;
+        memset(right, 0, FFT_LANES * sizeof *right);
+        memset(left, 0, FFT_LANES * sizeof *left);
+    }
+}
+
 /* Fill a group of rows of T. Return the smallest |q|^2 at which |W|^2 is below the threshold. */
 static double fill_group(transfer *t, const transfer_plan *p, const target_aim *aim,
                          const galaxy_power *power, int group) {
@@ -195,6 +207,7 @@ bool galaxy_transfer_make(transfer *t, const transfer_plan *p, const target_aim 
     t->jy = aim->jy;
     for (int group = 0; group * FFT_LANES <= t->jy; group++) {
         t->reach[group] = target_last_jx(aim, &p->plane, aim->limit, group * FFT_LANES, aim->jx);
+        clear_beyond(t, &p->plane, group);
         const double found = fill_group(t, p, aim, power, group);
         lowest = found < lowest ? found : lowest;
     }

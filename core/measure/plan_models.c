@@ -83,7 +83,7 @@ void plan_note_transfer(shear_plan *plan, const transfer *t) {
 
 /* Set what makes a stamp suspicious: somewhat less than what the typical PSF allows. */
 static void set_sharpness(shear_plan *plan, const shear_psf_model *m, const double *image) {
-    static const double part = 0.8;
+    static const double part = 0.9;
     const double q = psf_model_sampling(m, plan->pixel_scale);
     plan->sharpness = sharpness_of(image, m->nx, m->ny, q);
     plan->suspicious.ratio = 1.0 + part * (plan->sharpness.ratio - 1.0);

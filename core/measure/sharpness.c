@@ -8,6 +8,8 @@ enum { PLACES = 4 };
 
 /* Below this fraction of the peak, an image of a PSF is noise, or cut off. */
 static const double faint = 0.02;
+/* What a sample this faint exceeds any bound by is within the tolerance of artefact.c. */
+static const double negligible = 1e-4;
 
 typedef struct sampled_psf {
     psf_view image;
@@ -177,8 +179,11 @@ sharpness sharpness_on_pixels(const psf_view *v, const double *to_x, const doubl
         return (sharpness){.ratio = INFINITY};
     for (int y = 0; y < v->ny; y++) {
         for (int x = 0; x < v->nx; x++) {
-            const double mean = fmax(0.0, around(v, x, y, to_x, to_y));
-            s.leak = fmax(s.leak, psf_sample(v, x, y) - s.ratio * mean);
+            const double here = psf_sample(v, x, y);
+            if (here > fmax(s.leak, negligible * all.peak)) {
+                const double mean = fmax(0.0, around(v, x, y, to_x, to_y));
+                s.leak = fmax(s.leak, here - s.ratio * mean);
+            }
         }
     }
     s.leak *= area / all.sum;

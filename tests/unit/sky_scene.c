@@ -84,6 +84,11 @@ static shear_plan_request request_of(const sky_scene *s, const sky_way *way,
     return r;
 }
 
+static void set(shear_settings *settings, const char *name, const char *value) {
+    if (value != NULL)
+        assert_int_equal(shear_settings_set(settings, name, value, NULL), SHEAR_OK);
+}
+
 shear_row sky_scene_measure(const sky_scene *s, const sky_way *way, shear_plan_info *info) {
     static const double one = 0.37;
     const double *terms = way->terms != NULL ? way->terms : &one;
@@ -91,10 +96,8 @@ shear_row sky_scene_measure(const sky_scene *s, const sky_way *way, shear_plan_i
     shear_settings_init(&settings);
     settings.beta_px = way->beta_px;
     settings.filter = SHEAR_FILTER_NONE;
-    if (way->estimator != NULL) {
-        assert_int_equal(shear_settings_set(&settings, "estimator", way->estimator, NULL),
-                         SHEAR_OK);
-    }
+    set(&settings, "estimator", way->estimator);
+    set(&settings, "shot-noise", way->shot_noise);
     const shear_plan_request request = request_of(s, way, &settings, terms);
     const shear_stamps stamps = {.count = 1,
                                  .nx = SCENE_SIDE,

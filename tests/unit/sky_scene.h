@@ -41,6 +41,7 @@ typedef struct sky_way {
     bool typical;                 /* the plan is told the coefficients */
     bool own_psf;                 /* the image belongs to the stamp */
     const char *estimator;        /* NULL: mean */
+    const char *shot_noise;       /* NULL: none */
     double beta_px;
     const double *jacobian; /* NULL: the scene's */
     uint32_t flags;         /* those of the reader */

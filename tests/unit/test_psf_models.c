@@ -5,6 +5,7 @@
 #include "test.h"
 
 #include "measure/lanczos.h"
+#include "shear/run.h"
 
 #include <math.h>
 #include <string.h>
@@ -256,6 +257,37 @@ static void test_bad_terms(void **state) {
     assert_int_equal(sky_scene_measure(&s, &way, NULL).flags, SHEAR_FLAG_PSF_UNUSABLE);
 }
 
+/* A cosmic ray is found, a star is none, with models as with the image. */
+static void test_artefacts(void **state) {
+    (void)state;
+    static sky_scene s;
+    uint64_t seed = 3;
+    make(&s);
+    for (int i = 0; i < SCENE_SIDE * SCENE_SIDE; i++)
+        s.noise[i] = 0.05 * (uniform(&seed) - 0.5);
+    gaussian star = s.psf;
+    star.amplitude = 40.0;
+    for (int ray = 0; ray < 2; ray++) {
+        s.galaxy = star;
+        sky_scene_draw(&s);
+        for (int i = 0; i < SCENE_SIDE * SCENE_SIDE; i++)
+            s.pixels[i] += 0.05 * (uniform(&seed) - 0.5);
+        if (ray == 1)
+            s.pixels[20 * SCENE_SIDE + 41] += 1.5;
+        for (int axes = SHEAR_PSF_AXES_PIXEL; axes <= SHEAR_PSF_AXES_SKY; axes++) {
+            shear_psf_model model = model_of(s.samples, 0.6);
+            model.axes = axes;
+            sky_scene_draw_psf(&s, 0.6, 0.1, -0.3);
+            for (int typical = 0; typical < 2; typical++) {
+                const sky_way way = {.model = &model, .typical = typical == 1, .beta_px = beta};
+                const shear_row row = sky_scene_measure(&s, &way, NULL);
+                assert_int_equal(row.flags, ray == 1 ? SHEAR_FLAG_ARTEFACT : 0);
+                assert_int_equal(row.artefact_x, ray == 1 ? 41 : -1);
+            }
+        }
+    }
+}
+
 /* A model whose PSF is too wide for beta: the plan fails if it knows, else the stamp is flagged. */
 static void test_beta(void **state) {
     (void)state;
@@ -291,6 +323,78 @@ static void test_flags_of_the_reader(void **state) {
     const shear_row row = sky_scene_measure(&s, &way, NULL);
     assert_int_equal(row.flags, SHEAR_FLAG_EDGE | SHEAR_FLAG_HOLE);
     assert_true(isnan(row.d) && isnan(row.flux));
+}
+
+/* Stamps of a field whose PSFs are those of two models. */
+static int read_terms(void *self, int64_t stamp, int *model, double *terms, shear_error *err) {
+    const int64_t *failing = self;
+    if (stamp == *failing)
+        return shear_fail(err, SHEAR_E_IO, NULL, "no such stamp");
+    *model = stamp % 4 == 3 ? -1 : (int)(stamp % 2);
+    terms[0] = stamp == 6 ? NAN : 1.0;
+    return SHEAR_OK;
+}
+
+/* A field's request has the median of its galaxies' PSFs, and a typical galaxy. */
+static void test_request(void **state) {
+    (void)state;
+    static sky_scene s;
+    static double wide[SAMPLES];
+    int64_t failing = -1;
+    shear_plan_request request;
+    shear_error err;
+    make(&s);
+    s.psf.xx *= 1.44;
+    s.psf.yy *= 1.44;
+    s.psf.xy *= 1.44;
+    sky_scene_draw_psf(&s, 0.5, 0.0, 0.0);
+    memcpy(wide, s.samples, sizeof wide);
+    make(&s);
+    const shear_psf_model models[2] = {model_of(wide, 0.5), model_of(s.samples, 0.5)};
+    const shear_field_info info = {.geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
+                                   .n_stamps = 64,
+                                   .n_models = 2,
+                                   .psf_terms = 1,
+                                   .pixscale = 0.2,
+                                   .frame = SHEAR_FRAME_SKY};
+    const shear_psf_source source = {.self = &failing, .models = models, .read_terms = read_terms};
+    assert_int_equal(shear_plan_request_read(&request, NULL, &info, source, &err), SHEAR_OK);
+    assert_int_equal(request.n_psfs, 47); /* every fourth stamp has none */
+    assert_int_equal(request.n_unusable, 1);
+    assert_int_equal(request.model, 0); /* 31 of 47 */
+    assert_int_equal(request.frame, SHEAR_FRAME_SKY);
+    assert_near(request.r_psf_px, 1.2 * pow(2.4 * 2.0 - 0.09, 0.25), 2e-3, 1.5, "R_PSF");
+    shear_plan_request_deinit(&request);
+    failing = 20;
+    assert_int_equal(shear_plan_request_read(&request, NULL, &info, source, &err), SHEAR_E_IO);
+    assert_null(request.psfs);
+}
+
+/* What a plan and its workspaces take is known before. */
+static void test_memory(void **state) {
+    (void)state;
+    static sky_scene s;
+    make(&s);
+    const double one = 1.0;
+    shear_psf_model model = model_of(s.samples, 0.5);
+    for (int axes = SHEAR_PSF_AXES_PIXEL; axes <= SHEAR_PSF_AXES_SKY; axes++) {
+        model.axes = axes;
+        const shear_plan_request request = {.geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
+                                            .models = &model,
+                                            .n_models = 1,
+                                            .terms = &one,
+                                            .pixel_scale = 1.0,
+                                            .r_psf_px = 1.5};
+        shear_plan *plan;
+        shear_memory memory;
+        shear_error err;
+        assert_int_equal(shear_plan_memory(&memory, &request, &err), SHEAR_OK);
+        assert_int_equal(shear_plan_new(&plan, &request, &err), SHEAR_OK);
+        assert_int_equal(memory.plan, shear_plan_bytes(plan));
+        assert_int_equal(memory.workspace, shear_workspace_bytes(plan));
+        assert_true(memory.planning > 0);
+        shear_plan_free(plan);
+    }
 }
 
 /* Impossible models are refused. */
@@ -333,8 +437,11 @@ int main(void) {
                                        cmocka_unit_test(test_modes),
                                        cmocka_unit_test(test_quality),
                                        cmocka_unit_test(test_bad_terms),
+                                       cmocka_unit_test(test_artefacts),
                                        cmocka_unit_test(test_beta),
                                        cmocka_unit_test(test_flags_of_the_reader),
+                                       cmocka_unit_test(test_request),
+                                       cmocka_unit_test(test_memory),
                                        cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

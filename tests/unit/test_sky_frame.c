@@ -91,7 +91,12 @@ static void test_pixels_are_a_frame(void **state) {
     s.psf.xx = 2.4;
     s.psf.yy = 2.0;
     sky_scene_draw_psf(&s, 0.5, 0.0, 0.0);
-    sky_way way = {.oversample = 2.0, .beta_px = 3.2, .estimator = "pdf-sym-cross"};
+    sky_way way = {.oversample = 2.0, .beta_px = 3.2, .shot_noise = "plateau"};
+    const shear_row pixel_plateau = sky_scene_measure(&s, &way, NULL);
+    way.frame = SHEAR_FRAME_SKY;
+    const shear_row sky_plateau = sky_scene_measure(&s, &way, NULL);
+    assert_rows_near(&sky_plateau, &pixel_plateau, 1e-12);
+    way = (sky_way){.oversample = 2.0, .beta_px = 3.2, .estimator = "pdf-sym-cross"};
     const shear_row pixel = sky_scene_measure(&s, &way, NULL);
     way.frame = SHEAR_FRAME_SKY;
     const shear_row sky = sky_scene_measure(&s, &way, NULL);
