@@ -400,8 +400,8 @@ static void psf_shapes(void **state) {
         fixture_expect_open(bad(), SHEAR_E_FORMAT, "HDU PSF", "3 to 4096", END);
     }
     patched("PSF", "OVERSAMP", "0", "OVERSAMP");
-    patched("PSF", "OVERSAMP", "65", "1 to 64");
-    patched("PSF", "OVERSAMP", "2.5", "OVERSAMP");
+    patched("PSF", "OVERSAMP", "65", "0.1 to 64");
+    patched("PSF", "OVERSAMP", "0.05", "OVERSAMP");
     patched("PSF", "OVERSAMP", "'many'", "OVERSAMP");
     write_psf(2, 9, 9, 1);
     fixture_patch(bad(), "", "OVERSAMP", "-3");
@@ -410,6 +410,10 @@ static void psf_shapes(void **state) {
     shear_field *field = NULL;
     assert_int_equal(shear_field_open(&field, bad(), NULL), SHEAR_OK);
     assert_int_equal(shear_field_get_info(field)->geometry.psf_oversample, 16);
+    shear_field_close(field);
+    fixture_patch(bad(), "", "OVERSAMP", "2.375");
+    assert_int_equal(shear_field_open(&field, bad(), NULL), SHEAR_OK);
+    assert_true(shear_field_get_info(field)->geometry.psf_oversample == 2.375);
     shear_field_close(field);
 }
 

@@ -114,22 +114,29 @@ static int check_psf_sides(const field_file *f, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int find_oversampling(const sf_cards *cards, int64_t *oversample, shear_error *err) {
-    return sf_key_int(cards, "OVERSAMP", 1, SHEAR_MAX_PSF_OVERSAMPLE, oversample, err);
+static int find_oversampling(const sf_cards *cards, double *oversample, shear_error *err) {
+    TRY(sf_key_double(cards, "OVERSAMP", oversample, err));
+    if (isnan(*oversample) ||
+        (*oversample >= SHEAR_MIN_PSF_OVERSAMPLE && *oversample <= SHEAR_MAX_PSF_OVERSAMPLE)) {
+        return SHEAR_OK;
+    }
+    return sf_fail(err, SHEAR_E_FORMAT, cards->at,
+                   "give the number of PSF samples per galaxy pixel",
+                   "keyword OVERSAMP is %g: it must be %g to %d", *oversample,
+                   SHEAR_MIN_PSF_OVERSAMPLE, SHEAR_MAX_PSF_OVERSAMPLE);
 }
 
 /* Read OVERSAMP: from the PSFs' HDU, else the primary header, else 1. */
 static int read_oversampling(field_file *f, shear_error *err) {
     const sf_file *file = f->parts.of[SHEAR_PART_PSF].file;
     CLEANUP(sf_cards_deinit) sf_cards primary = {0};
-    int64_t oversample = SF_ABSENT;
+    double oversample = NAN;
     TRY(find_oversampling(&f->psf.cards, &oversample, err));
-    if (oversample == SF_ABSENT) {
-        oversample = 1;
+    if (isnan(oversample)) {
         TRY(sf_cards_init(&primary, file, &file->hdus[0], "primary", err));
         TRY(find_oversampling(&primary, &oversample, err));
     }
-    f->base.info.geometry.psf_oversample = (int)oversample;
+    f->base.info.geometry.psf_oversample = isnan(oversample) ? 1.0 : oversample;
     return SHEAR_OK;
 }
 

@@ -141,14 +141,23 @@ static int create_stamps(shear_field_writer *w, const char *name, const char *co
     return result(w, name, status, err);
 }
 
+/* Write OVERSAMP: an integer if it is whole, which any reader takes. */
+static void write_oversampling(fitsfile *f, double oversample, int *status) {
+    static const char comment[] = "PSF samples per galaxy pixel";
+    if (oversample == floor(oversample)) {
+        fits_write_key_lng(f, "OVERSAMP", (LONGLONG)oversample, comment, status);
+    } else {
+        fits_write_key_dbl(f, "OVERSAMP", oversample, -15, comment, status);
+    }
+}
+
 static int create_psf(shear_field_writer *w, shear_error *err) {
     const shear_field_spec *s = &w->spec;
     int status = 0;
     long axes[3] = {s->geometry.psf_nx, s->geometry.psf_ny, (long)s->n_psf};
     fits_create_img(w->out.fits, s->bitpix, s->n_psf == 1 ? 2 : 3, axes, &status);
     fits_write_key_str(w->out.fits, "EXTNAME", "PSF", "point spread function", &status);
-    fits_write_key_dbl(w->out.fits, "OVERSAMP", s->geometry.psf_oversample, -15,
-                       "PSF samples per galaxy pixel", &status);
+    write_oversampling(w->out.fits, s->geometry.psf_oversample, &status);
     return result(w, "PSF", status, err);
 }
 
