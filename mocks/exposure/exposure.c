@@ -72,7 +72,7 @@ static void add_distortion(buffer *cards, const focal_plane *f) {
         const double terms[] = {linear[axis], f->skew2, f->k, f->k};
         static const int numbers[] = {1, 2, 7, 9};
         for (int i = 0; i < 4; i++) {
-            char key[9];
+            char key[32];
             snprintf(key, sizeof key, "PV%d_%d", axis + 1, numbers[i]);
             image_card_real(cards, key, terms[i], NULL);
         }

@@ -66,7 +66,7 @@ void image_card_history(buffer *cards, const char *text) {
 
 /* ---- bytes ---- */
 static int write_bytes(const image_file *f, const void *bytes, size_t n, shear_error *err) {
-    if (fwrite(bytes, 1, n, f->stream) == n)
+    if (n == 0 || fwrite(bytes, 1, n, f->stream) == n) /* `bytes` may be NULL */
         return SHEAR_OK;
     return shear_fail(err, errno == ENOSPC ? SHEAR_E_FULL : SHEAR_E_IO, NULL, "cannot write %s: %s",
                       f->path, strerror(errno));
@@ -190,7 +190,7 @@ static void add_columns(buffer *cards, const image_column *columns, int n) {
     image_card_int(cards, "TFIELDS", n, NULL);
     for (int i = 0; i < n; i++) {
         const char type[] = {'1', columns[i].type, '\0'};
-        char key[16];
+        char key[24];
         snprintf(key, sizeof key, "TTYPE%d", i + 1);
         image_card_text(cards, key, columns[i].name, NULL);
         snprintf(key, sizeof key, "TFORM%d", i + 1);
