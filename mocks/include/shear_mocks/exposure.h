@@ -92,7 +92,8 @@ typedef struct shear_mock_exposure_counts {
 /* Write PATH (the images, CHIP1 ...), and beside it, if PATH is OUT.fits: OUT.weight.fits (inverse
  * variance of the background, 0: bad), OUT.mask.fits (bits: 1 bad column, 2 cosmic ray, 4
  * saturated) and OUT.truth.fits (table TRUTH, a row per object). Existing files are replaced only
- * if `options` says so; on error none is left behind. `options` and `counts` may be NULL. */
+ * if `options` says so; they get their names when all are complete. `options` and `counts` may be
+ * NULL. */
 int shear_mock_exposure_write(const shear_mock_exposure *e, const char *path,
                               const shear_mock_write_options *options,
                               shear_mock_exposure_counts *counts, shear_error *err);
