@@ -26,7 +26,7 @@ static int read_terms(void *self, int64_t stamp, int *model, double *terms, shea
     job *j = self;
     const shear_block *b = NULL;
     TRY(reader_read_columns(j->reader, stamp, &b, err));
-    const bool dropped = b->dropped != NULL && b->dropped[0] != 0;
+    const bool dropped = b->dropped != NULL && (b->dropped[0] & SHEAR_FLAGS_WITHOUT_PSF) != 0;
     *model = dropped ? -1 : b->psf_index[0];
     memcpy(terms, b->psf_terms, (size_t)reader_get_info(j->reader)->psf_terms * sizeof *terms);
     return SHEAR_OK;

@@ -55,6 +55,8 @@ enum shear_flag {
     SHEAR_FLAG_NO_POSITION = 1u << 15 /**< its position is not finite, or not in the image, or has
                                          no place on the sky */
 };
+/** Flags of stamps that have no coefficients of a PSF model. A reader knows them without pixels. */
+enum { SHEAR_FLAGS_WITHOUT_PSF = SHEAR_FLAG_PSF_UNUSABLE | SHEAR_FLAG_NO_POSITION };
 /** Numbers of flags. */
 enum {
     SHEAR_N_FLAGS = 16 /**< number of flags */
