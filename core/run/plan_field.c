@@ -256,9 +256,8 @@ static int read_terms(void *self, int64_t stamp, int *model, double *terms, shea
     const shear_stamps *s = &r->block->stamps;
     const int n_terms = shear_field_get_info(r->field)->psf_terms;
     TRY(shear_field_read_columns(r->field, stamp, 1, r->block, err));
-    *model = s->flags != NULL && (s->flags[0] & SHEAR_FLAGS_WITHOUT_PSF) != 0 ? -1
-             : s->psf_index != NULL                                          ? s->psf_index[0]
-                                                                             : 0;
+    const bool without = s->flags != NULL && (s->flags[0] & SHEAR_FLAGS_WITHOUT_PSF) != 0;
+    *model = without ? -1 : s->psf_index != NULL ? s->psf_index[0] : 0;
     memcpy(terms, s->psf_terms, (size_t)n_terms * sizeof *terms);
     return SHEAR_OK;
 }

@@ -27,8 +27,8 @@ typedef struct shear_psf_source {
     /** [info->n_models] the models, instead of images. The request borrows them. */
     const shear_psf_model *models;
     /** Read the coefficients [terms] of stamp `stamp`, and set *model to the number of its model;
-     * -1: it has none (SHEAR_FLAGS_WITHOUT_PSF). Stamps that are left out for their pixels count: not
-     * every reader knows of them yet. Only with models. */
+     * -1: it has none (SHEAR_FLAGS_WITHOUT_PSF). Stamps that are left out for their pixels count:
+     * not every reader knows of them yet. Only with models. */
     int (*read_terms)(void *self, int64_t stamp, int *model, double *terms, shear_error *err);
 } shear_psf_source;
 
