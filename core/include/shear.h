@@ -13,6 +13,7 @@
  *   shear/sums.h); shear_work_new(): the same with threads of the caller's own (shear/work.h)
  * - shear_settings_set(): the choices of the measurement (shear/settings.h)
  * - shear_field_create(): writing field files (shear/field.h)
+ * - shear_field_get_chip(): the chips of an exposure (shear/chip.h)
  * - shear_catalog_read(): the results of single stamps (shear/catalog.h)
  *
  * Every call that can fail returns enum shear_code (shear/error.h). Lengths are in galaxy pixels.
@@ -24,6 +25,8 @@
 
 #include "shear/arrays.h"
 #include "shear/catalog.h"
+#include "shear/centring.h"
+#include "shear/chip.h"
 #include "shear/error.h"
 #include "shear/field.h"
 #include "shear/input.h"

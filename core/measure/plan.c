@@ -223,6 +223,7 @@ int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_er
     TRY(plan->has_psf ? make_transfer(plan, request->psf, err) : check_limit(plan, err));
     if (plan->n_models > 0)
         TRY(plan_models_fill(plan, request, err));
+    plan->info.centring = request->centring;
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
     *out = CLEANUP_TAKE(plan);
     return SHEAR_OK;

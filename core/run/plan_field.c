@@ -7,6 +7,7 @@
 #include "base/sort.h"
 #include "measure/reach.h"
 #include "run/file_source.h"
+#include "run/positions.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -211,6 +212,8 @@ int shear_plan_request_sample(shear_plan_request *request, const shear_field_inf
                               shear_source source, int capacity, shear_error *err) {
     const shear_geometry *g = &info->geometry;
     shear_plan_radii radii;
+    if (positions_known(info))
+        TRY(positions_check(&request->centring, info, source, capacity, err));
     if (!shear_plan_wants_core(request))
         return SHEAR_OK;
     TRY(shear_plan_find_radii(&radii, request, err));
@@ -227,7 +230,7 @@ int shear_plan_request_sample(shear_plan_request *request, const shear_field_inf
 
 static int sample_file(shear_plan_request *request, shear_field *field, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
-    if (!shear_plan_wants_core(request))
+    if (!shear_plan_wants_core(request) && !positions_known(info))
         return SHEAR_OK;
     const shear_unit_size size = shear_unit_size_for(info, 1);
     const int capacity = size.stamps < SHEAR_BLOCK ? size.stamps : SHEAR_BLOCK;

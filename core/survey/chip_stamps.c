@@ -141,6 +141,7 @@ int chip_stamps_init(chip_stamps *s, const chip_inputs *in, shear_error *err) {
     if (!places_init(&p, in) || !allocate(s, in, count_wanted(in, &p)))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the sources of a chip");
     for (int64_t i = 0; i < in->sources->n; i++) {
+        s->n_sources += is_inside(in, p.x[i], p.y[i]);
         if (is_wanted(in, &p, i))
             add_stamp(s, in, &p, i);
     }

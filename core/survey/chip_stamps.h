@@ -24,7 +24,8 @@ typedef struct chip_stamps {
     int terms;
     object_shape *shapes; /* [n_shapes] of all sources of the catalog, measured or not */
     int64_t n_shapes;
-    void *memory; /* of all arrays; owned */
+    int64_t n_sources; /* of the catalog that are on the chip, measured or not */
+    void *memory;      /* of all arrays; owned */
 } chip_stamps;
 
 /* What a chip's stamps are made from. */

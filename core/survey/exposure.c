@@ -155,14 +155,14 @@ static int find_contexts(const opening *o, int chip, contexts *c, shear_error *e
 static int open_chip(opening *o, int chip, shear_error *err) {
     exposure *e = o->e;
     exposure_chip *c = &e->chips[chip];
-    int table;
     contexts wanted;
     CLEANUP(sky_map_release) sky_map *map = NULL;
     CLEANUP(source_list_deinit) source_list sources = {0};
-    TRY(match_chip(o, chip, &table, &c->model, err));
+    TRY(match_chip(o, chip, &c->table, &c->model, err));
     TRY(map_chip(o, chip, &map, err));
+    c->mapped = map != NULL;
     TRY(find_contexts(o, chip, &wanted, err));
-    TRY(source_catalog_load(o->catalog, table, wanted.columns, wanted.n_columns, &sources, err));
+    TRY(source_catalog_load(o->catalog, c->table, wanted.columns, wanted.n_columns, &sources, err));
     const bool shared = e->n_chips > 1 && source_catalog_tables(o->catalog) == 1;
     TRY(check_positions(o, &sources, map, shared, err));
     if (shared)
@@ -308,9 +308,14 @@ static void close_exposure(shear_field *field) {
     free(e);
 }
 
+static const field_reader reader = {
+    .read = exposure_read, .read_columns = exposure_read_columns, .close = close_exposure};
+
+bool exposure_is(const shear_field *field) {
+    return field->reader == &reader;
+}
+
 int exposure_open(shear_field **field, const shear_input *input, const int *fds, shear_error *err) {
-    static const field_reader reader = {
-        .read = exposure_read, .read_columns = exposure_read_columns, .close = close_exposure};
     exposure *e = calloc(1, sizeof *e);
     *field = NULL;
     if (e == NULL)

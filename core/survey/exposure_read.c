@@ -40,7 +40,7 @@ static double chip_r_psf(const exposure *e, int chip) {
                : 1.5; /* no stamp of this chip can be measured */
 }
 
-static int hold(exposure *e, int chip, shear_error *err) {
+int exposure_hold(exposure *e, int chip, shear_error *err) {
     held_chip *h = &e->held;
     const chip_stamps *s = &e->chips[chip].stamps;
     if (h->chip == chip)
@@ -62,7 +62,7 @@ static int hold(exposure *e, int chip, shear_error *err) {
 
 /* ---- blocks of stamps ---- */
 
-static int find_chip(const exposure *e, int64_t stamp) {
+int exposure_find_chip(const exposure *e, int64_t stamp) {
     int chip = 0;
     while (chip + 1 < e->n_chips && e->chips[chip + 1].first <= stamp)
         chip++;
@@ -71,7 +71,7 @@ static int find_chip(const exposure *e, int64_t stamp) {
 
 /* Copy what is known without pixels of a stamp. */
 static void fill_columns(const exposure *e, int64_t stamp, shear_block *b, int to) {
-    const exposure_chip *chip = &e->chips[find_chip(e, stamp)];
+    const exposure_chip *chip = &e->chips[exposure_find_chip(e, stamp)];
     const chip_stamps *s = &chip->stamps;
     const int64_t from = stamp - chip->first;
     b->id[to] = s->id[from];
@@ -103,20 +103,24 @@ int exposure_read_columns(shear_field *field, int64_t first, int count, shear_bl
     return SHEAR_OK;
 }
 
+int exposure_cut(exposure *e, int chip, int64_t i, cutter_pair *pair, shear_error *err) {
+    const chip_stamps *s = &e->chips[chip].stamps;
+    const cutter_source source = {.x = s->x[i] - 1.0,
+                                  .y = s->y[i] - 1.0,
+                                  .r_gal = s->r_gal != NULL ? s->r_gal[i] : NAN,
+                                  .id = s->id[i]};
+    TRY(exposure_hold(e, chip, err));
+    return cutter_cut(e->held.cutter, &source, pair, err);
+}
+
 static int cut(exposure *e, int64_t stamp, shear_block *b, int to, shear_error *err) {
     const shear_field_info *info = &e->base.info;
-    const int chip = find_chip(e, stamp);
-    const chip_stamps *s = &e->chips[chip].stamps;
+    const int chip = exposure_find_chip(e, stamp);
     const int64_t from = stamp - e->chips[chip].first;
     const size_t pixels = (size_t)info->geometry.nx * (size_t)info->geometry.ny;
-    const cutter_source source = {.x = s->x[from] - 1.0,
-                                  .y = s->y[from] - 1.0,
-                                  .r_gal = s->r_gal != NULL ? s->r_gal[from] : NAN,
-                                  .id = s->id[from]};
     cutter_pair pair = {.galaxy = b->galaxy + (size_t)to * pixels,
                         .noise = b->noise + (size_t)to * (size_t)info->noise_planes * pixels};
-    TRY(hold(e, chip, err));
-    TRY(cutter_cut(e->held.cutter, &source, &pair, err));
+    TRY(exposure_cut(e, chip, from, &pair, err));
     fill_columns(e, stamp, b, to);
     b->dropped[to] |= pair.flags;
     return SHEAR_OK;

@@ -10,7 +10,9 @@
 typedef struct exposure_chip {
     chip_stamps stamps;
     int64_t first; /* number of its first stamp */
+    int table;     /* of the catalog */
     int model;     /* of the PSF */
+    bool mapped;   /* there is a map to the sky */
 } exposure_chip;
 
 /* The chip whose pixels are held. */
@@ -31,6 +33,9 @@ typedef struct exposure {
     held_chip held;
 } exposure;
 
+/* Return whether the field is an exposure. */
+bool exposure_is(const shear_field *field);
+
 static inline exposure *exposure_of(shear_field *field) {
     return (exposure *)field;
 }
@@ -40,5 +45,11 @@ int exposure_read_columns(shear_field *field, int64_t first, int count, shear_bl
                           shear_error *err);
 int exposure_read(shear_field *field, int64_t first, int count, shear_block *block,
                   shear_error *err);
+/* Return the chip of a stamp. */
+int exposure_find_chip(const exposure *e, int64_t stamp);
+/* Hold the pixels of a chip, in place of those of another. */
+int exposure_hold(exposure *e, int chip, shear_error *err);
+/* Cut stamp `i` of a chip. */
+int exposure_cut(exposure *e, int chip, int64_t i, cutter_pair *pair, shear_error *err);
 /* Free the pixels of the chip that is held. */
 void exposure_let_go(held_chip *h);

@@ -8,6 +8,7 @@
 #include "base/thread.h"
 
 #include <assert.h>
+#include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,6 +69,9 @@ static bool key_make(key *k, const shear_plan_request *request) {
         fprintf(out, "%d;", request->model);
         fwrite(request->terms, sizeof *request->terms, (size_t)request->models[0].terms, out);
     }
+    const shear_centring *c = &request->centring;
+    fprintf(out, "%" PRId64 ";%" PRId64 ";%a;%a;%a;%a;", c->looked_at, c->found, c->x, c->y,
+            c->x_err, c->y_err);
     fprintf(out, "%d;%d;", request->n_psfs, request->n_unusable);
     for (int i = 0; i < request->n_psfs; i++)
         fwrite(&request->psfs[i], 1, sizeof request->psfs[i], out);

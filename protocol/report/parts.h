@@ -6,6 +6,7 @@
 #include "shear/plan.h"
 #include "shear/sums.h"
 #include "sheard/report.h"
+#include "sheard/validation_report.h"
 
 #include <jansson.h>
 
@@ -21,6 +22,9 @@ json_t *parts_influence(const shear_result *r, const char *top_file);
 json_t *parts_no_shear(const shear_result *r);
 /* Make {"g1", "g2"}. */
 json_t *parts_pair(double g1, double g2);
+
+/* Make what validate reports of an exposure. */
+json_t *parts_exposure(const sheard_validation_report *v);
 
 /* Make a file's entry in a report. With `account`, also the shape of its stamps and the summary of
  * its PSF. */

@@ -63,6 +63,7 @@ static json_t *report_object(const sheard_validation_report *v) {
         {"negative", v->scanned ? fault(&v->negative) : json_null()},
         {"lowest_pixel", v->scanned ? json_text_number(v->lowest_pixel) : json_null()},
         {"noise", v->scanned ? noise_object(v) : json_null()},
+        {v->n_chips > 0 ? "exposure" : "", v->n_chips > 0 ? parts_exposure(v) : NULL},
         {"weight_follows_flux",
          v->scanned ? json_text_number(v->weight_follows_flux) : json_null()},
         {"no_shear", parts_no_shear(result)}, {"noise_level", parts_noise_level(result)},

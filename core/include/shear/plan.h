@@ -15,6 +15,7 @@
 #ifndef SHEAR_PLAN_H
 #define SHEAR_PLAN_H
 
+#include "shear/centring.h"
 #include "shear/error.h"
 #include "shear/linkage.h"
 #include "shear/psf.h"
@@ -70,7 +71,8 @@ typedef struct shear_plan_info {
     enum shear_noise_band noise_band; /**< where the noise level is measured */
     double k_cut; /**< modes at |k| >= k_cut are left out; for a plan without a PSF, the grid's
                      limit */
-    shear_psf_summary psf; /**< quality of the PSF; of several: shear_plan_note_psfs() */
+    shear_psf_summary psf;   /**< quality of the PSF; of several: shear_plan_note_psfs() */
+    shear_centring centring; /**< as requested */
 } shear_plan_info;
 
 /** Return the bias of the shear from stamps that are too small for beta, which arises because a
@@ -104,6 +106,7 @@ typedef struct shear_plan_request {
     const shear_psf_quality *psfs; /**< [n_psfs] quality of a sample of the stamps' own PSFs */
     int n_psfs;                    /**< usable PSFs of that sample */
     int n_unusable;                /**< unusable PSFs of that sample */
+    shear_centring centring;       /**< of a sample of stamps with positions, for a warning */
 } shear_plan_request;
 
 /**

@@ -44,8 +44,9 @@ void shear_plan_request_deinit(shear_plan_request *request);
 /** If the settings need it (shear_plan_wants_core()), find request->core_px from up to 512 stamps,
  * in blocks that are evenly spaced in the file. They are read from slot 0 of the source, at most
  * `capacity` at a time. Stamps that are masked, not finite, or have a weight of 0 or a bad one are
- * left out. The core depends only on the field, the settings and the PSF (docs/method.md section
- * 2). */
+ * left out. If the stamps were cut at positions (an exposure), find request->centring, too, from
+ * the first 64 that are not dropped. The core depends only on the field, the settings and the PSF
+ * (docs/method.md section 2). */
 int shear_plan_request_sample(shear_plan_request *request, const shear_field_info *info,
                               shear_source source, int capacity, shear_error *err);
 

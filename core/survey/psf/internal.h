@@ -36,6 +36,7 @@ typedef struct psf_variable {
 typedef struct psf_chip {
     char name[SF_NAME]; /* EXTNAME of the chip, or "" */
     char text[PSF_TEXT];
+    int stars;   /* that it was made from; 0: unknown */
     bool failed; /* the fit has failed: no galaxy has coefficients */
     shear_psf_model model;
     double *samples; /* the model's; owned */

@@ -7,6 +7,7 @@
 #include "survey/psf/record.h"
 
 #include <ctype.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -247,6 +248,7 @@ static int read_simple(psf_models *p, const char *prefix, shear_error *err) {
     TRY(piff_grid_read(c, &model, &solution, render, err));
     TRY(read_surroundings(c, p, prefix, &n_stars, err));
     TRY(read_chi2(&chi2, p, prefix, err));
+    c->stars = n_stars < INT_MAX ? (int)n_stars : INT_MAX;
     describe(c, &keys, n_stars, chi2);
     note_failure(c, n_stars, chi2);
     return SHEAR_OK;

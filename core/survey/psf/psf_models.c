@@ -164,6 +164,10 @@ const char *psf_models_text(const psf_models *p, int i) {
     return p->chips[i].text;
 }
 
+int psf_models_stars(const psf_models *p, int i) {
+    return p->chips[i].stars;
+}
+
 int psf_models_contexts(const psf_models *p, int i, const char *const **names) {
     *names = p->chips[i].contexts;
     return p->chips[i].n_contexts;

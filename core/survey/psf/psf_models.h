@@ -36,6 +36,8 @@ const shear_psf_model *psf_models_get(const psf_models *p, int i);
 /* Return a line that describes the model, such as "PSFEx, 45 x 45 samples of 0.50 px, degree 2 in
  * X_IMAGE, Y_IMAGE, 51 of 60 stars, chi2/dof 1.05". */
 const char *psf_models_text(const psf_models *p, int i);
+/* Return the number of stars that the model was made from; 0: unknown. */
+int psf_models_stars(const psf_models *p, int i);
 
 /* Names of the numbers of a galaxy that model `i` depends on beside its position: catalog columns
  * (MAG_AUTO), or keywords of the image's header (":AIRMASS"). */

@@ -225,6 +225,7 @@ static int read_model(psf_chip *c, const psf_record *r, shear_error *err) {
         note_failure(c, why);
     } else {
         describe(c, &fit);
+        c->stars = fit.accepted > 0 ? fit.accepted : 0;
     }
     return SHEAR_OK;
 }

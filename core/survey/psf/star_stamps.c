@@ -311,6 +311,7 @@ static int read_table(psf_models *p, const star_table *t, shear_error *err) {
     const int usable = count_used(&s);
     if (usable > 0)
         TRY(fit(c, &places, &s, level, &chi2, at, err));
+    c->stars = count_used(&s);
     describe(c, t, count_used(&s), usable, chi2);
     return SHEAR_OK;
 }

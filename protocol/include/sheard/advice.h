@@ -70,6 +70,12 @@ sheard_advice sheard_advice_small_stamps;
  * galaxies they are found in. */
 sheard_advice sheard_advice_many_artefacts;
 
+/* The light of galaxies is not where their positions are: they count from another pixel, or belong
+ * to another image. */
+sheard_advice sheard_advice_centring;
+/* The same for any sample. */
+const char *sheard_advice_positions(const shear_centring *c, char *buf, size_t size);
+
 /* A cause that makes the shear wrong by more than a percent, or prevents it, and cannot be
  * corrected: noise stamps without noise or with noise of another spectrum, or stamps that are too
  * small (by an estimate of more than 10 %). sheard_cause_of returns false if there is none. The
@@ -94,7 +100,7 @@ const char *sheard_advice_influence(const shear_result *r, const char *top_file,
 
 /* All warnings: those of `shearctl measure` and of the service. */
 enum {
-    SHEARD_RESULT_ADVICES = 12,
+    SHEARD_RESULT_ADVICES = 13,
     SHEARD_PSF_ADVICES = SHEAR_N_PSF_FLAWS + 1,
     SHEARD_ADVICES = 1 + SHEARD_RESULT_ADVICES + SHEARD_PSF_ADVICES,
     SHEARD_ADVICE_SIZE = 640

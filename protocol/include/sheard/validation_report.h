@@ -4,6 +4,8 @@
 #ifndef SHEARD_VALIDATION_REPORT_H
 #define SHEARD_VALIDATION_REPORT_H
 
+#include "shear/centring.h"
+#include "shear/chip.h"
 #include "shear/error.h"
 #include "shear/field.h"
 #include "shear/plan.h"
@@ -21,6 +23,15 @@ typedef struct sheard_fault {
     int64_t first[SHEARD_FAULT_SAMPLES]; /* indices from 0 of the first stamps; min(count,
                                             SHEARD_FAULT_SAMPLES) are set */
 } sheard_fault;
+
+/* One chip of an exposure. */
+typedef struct sheard_chip_report {
+    shear_chip chip;
+    double masked;        /* part of its pixels that are defects; NaN: unknown */
+    int64_t n_measurable; /* stamps without a flag */
+    int64_t flags[SHEAR_N_FLAGS];
+    shear_centring centring;
+} sheard_chip_report;
 
 /* The validation report of one field file. */
 typedef struct sheard_validation_report {
@@ -46,14 +57,19 @@ typedef struct sheard_validation_report {
      * and whether it is significant and strong: then the weights bias the shear. */
     double weight_follows_flux;
     bool weight_is_suspect;
+    const sheard_chip_report *chips; /* [n_chips] of an exposure */
+    int n_chips;                     /* 0: no exposure */
+    /* Range of the distortion's shear in the pixel frame, |g|; NaN without a WCS. */
+    double distortion_min, distortion_max;
     bool measured;       /* `result` is set */
     shear_result result; /* by the ratio of means; its `estimator` is the settings' */
 } sheard_validation_report;
 
 /* Write the report. Keys: path good verdict advice field{} settings{} resolved{} psf{} warnings[]
  * n_measurable flags{name:{count,first[]}} negative{count,first[]} lowest_pixel
- * noise{mean,mean_err,rms} weight_follows_flux no_shear noise_level{} influence{} version; null for
- * what is unknown. Return SHEAR_OK or SHEAR_E_NOMEM. */
+ * noise{mean,mean_err,rms} weight_follows_flux no_shear noise_level{} influence{} version; of
+ * exposures also exposure{frame,distortion{min,max},chips[]}; null for what is unknown. Return
+ * SHEAR_OK or SHEAR_E_NOMEM. */
 int sheard_validation_report_json(char **text, const sheard_validation_report *report,
                                   shear_error *err);
 

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Look at the chips of an open exposure: shear/chip.h. */
+#include "shear/chip.h"
+
+#include "base/cleanup.h"
+#include "survey/internal.h"
+#include "survey/second_moments.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+
+_Static_assert((int)SHEAR_DEFECT_BAD == (int)PIXEL_BAD &&
+                   (int)SHEAR_DEFECT_SATURATED == (int)PIXEL_SATURATED &&
+                   (int)SHEAR_DEFECT_OUTSIDE == (int)PIXEL_OUTSIDE,
+               "defects are handed out as they are");
+
+int shear_field_chips(const shear_field *field) {
+    return exposure_is(field) ? ((const exposure *)field)->n_chips : 0;
+}
+
+static int check_chip(const shear_field *field, int chip, shear_error *err) {
+    const int n = shear_field_chips(field);
+    return chip >= 0 && chip < n ? SHEAR_OK
+                                 : shear_fail(err, SHEAR_E_SETTING, "chips are counted from 0",
+                                              "there is no chip %d: the field has %d", chip, n);
+}
+
+static int check_stamp(const shear_field *field, int64_t stamp, shear_error *err) {
+    return shear_field_chips(field) > 0 && stamp >= 0 && stamp < field->info.n_stamps
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_SETTING, "stamps are counted from 0",
+                            "there is no stamp %" PRId64 " of an exposure: the field has %" PRId64,
+                            stamp, field->info.n_stamps);
+}
+
+int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shear_error *err) {
+    TRY(check_chip(field, i, err));
+    const exposure *e = (const exposure *)field;
+    const exposure_chip *c = &e->chips[i];
+    const int stars = psf_models_stars(e->psf, c->model);
+    *chip = (shear_chip){.name = exposure_images_name(e->images, i),
+                         .first = c->first,
+                         .n_stamps = c->stamps.n,
+                         .n_sources = c->stamps.n_sources,
+                         .table = c->table,
+                         .has_wcs = c->mapped,
+                         .model = c->model,
+                         .psf_chip = psf_models_chip(e->psf, c->model),
+                         .psf = psf_models_text(e->psf, c->model),
+                         .psf_terms = psf_models_get(e->psf, c->model)->terms,
+                         .psf_stars = stars > 0 ? stars : -1};
+    exposure_images_size(e->images, i, &chip->nx, &chip->ny);
+    for (int part = 0; part < SHEAR_N_PARTS; part++)
+        chip->hdu[part] = part >= SHEAR_PART_IMAGE && part <= SHEAR_PART_SEGMENTATION
+                              ? exposure_images_hdu(e->images, i, (enum shear_part)part)
+                              : -1;
+    return SHEAR_OK;
+}
+
+/* ---- places of stamps ---- */
+
+int shear_chip_find(shear_field *field, int64_t stamp, shear_chip_place *place, shear_error *err) {
+    TRY(check_stamp(field, stamp, err));
+    exposure *e = exposure_of(field);
+    const int chip = exposure_find_chip(e, stamp);
+    const size_t pixels = (size_t)e->base.info.geometry.nx * (size_t)e->base.info.geometry.ny;
+    CLEANUP(release_free)
+    double *memory = malloc((1 + (size_t)e->base.info.noise_planes) * pixels * sizeof *memory);
+    if (memory == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a stamp");
+    cutter_pair pair = {.galaxy = memory, .noise = memory + pixels};
+    const int64_t i = stamp - e->chips[chip].first;
+    TRY(exposure_cut(e, chip, i, &pair, err));
+    const chip_stamps *s = &e->chips[chip].stamps;
+    *place = (shear_chip_place){.chip = chip,
+                                .x = s->x[i],
+                                .y = s->y[i],
+                                .flags = s->flags[i] | pair.flags,
+                                .box_x = pair.x,
+                                .box_y = pair.y,
+                                .noise_x = pair.noise_x,
+                                .noise_y = pair.noise_y};
+    return SHEAR_OK;
+}
+
+/* ---- the PSF ---- */
+
+/* Return the covariance of a Gaussian PSF whose power has the covariance k[3]: |W|^2 is the
+ * exponential of -k^T C k. */
+static void invert_half(double k[3]) {
+    const double det = 2.0 * (k[0] * k[2] - k[1] * k[1]);
+    const double c[3] = {k[2] / det, -k[1] / det, k[0] / det};
+    for (int i = 0; i < 3; i++)
+        k[i] = c[i];
+}
+
+/* Carry a covariance along u and v to pixels: J^-1 C J^-T. */
+static void sky_to_pixels(double c[3], const double j[4]) {
+    const double det = j[0] * j[3] - j[1] * j[2];
+    const double a[4] = {j[3] / det, -j[1] / det, -j[2] / det, j[0] / det};
+    const double u[2] = {a[0] * c[0] + a[1] * c[1], a[0] * c[1] + a[1] * c[2]};
+    const double v[2] = {a[2] * c[0] + a[3] * c[1], a[2] * c[1] + a[3] * c[2]};
+    c[0] = u[0] * a[0] + u[1] * a[1];
+    c[1] = u[0] * a[2] + u[1] * a[3];
+    c[2] = v[0] * a[2] + v[1] * a[3];
+}
+
+/* Convert from square samples to square pixels. */
+static void scale_moments(double c[3], const shear_psf_model *m, const double jacobian[4]) {
+    const double turn = 2.0 * acos(-1.0);
+    const bool modes = m->axes == SHEAR_PSF_AXES_MODES;
+    const double x = modes ? turn / m->nx : m->step;
+    const double y = modes ? turn / m->ny : m->step;
+    c[0] *= x * x;
+    c[1] *= x * y;
+    c[2] *= y * y;
+    if (modes) {
+        invert_half(c);
+    } else if (m->axes == SHEAR_PSF_AXES_SKY) {
+        sky_to_pixels(c, jacobian);
+    }
+}
+
+int shear_chip_psf(const shear_field *field, int64_t stamp, double cov[3], shear_error *err) {
+    TRY(check_stamp(field, stamp, err));
+    const exposure *e = (const exposure *)field;
+    const exposure_chip *chip = &e->chips[exposure_find_chip(e, stamp)];
+    const shear_psf_model *m = &e->base.models[chip->model];
+    const int64_t i = stamp - chip->first;
+    const double *terms = chip->stamps.psf_terms + i * chip->stamps.terms;
+    const size_t plane = (size_t)m->nx * (size_t)m->ny;
+    CLEANUP(release_free) double *image = calloc(plane, sizeof *image);
+    if (image == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF");
+    for (int t = 0; t < m->terms; t++) {
+        for (size_t k = 0; k < plane; k++)
+            image[k] += terms[t] * m->samples[(size_t)t * plane + k];
+    }
+    if (second_moments(image, m->nx, m->ny, cov))
+        scale_moments(cov, m, chip->stamps.jacobian[i]);
+    return SHEAR_OK;
+}
+
+/* ---- pixels ---- */
+
+int shear_chip_read(shear_field *field, int chip, const shear_chip_box *box, shear_error *err) {
+    TRY(check_chip(field, chip, err));
+    TRY(exposure_hold(exposure_of(field), chip, err));
+    const pixel_box pixels = {.x = box->x,
+                              .y = box->y,
+                              .nx = box->nx,
+                              .ny = box->ny,
+                              .value = box->value,
+                              .defect = box->defect,
+                              .owner = box->owner};
+    return chip_pixels_read(exposure_of(field)->held.pixels, &pixels, err);
+}
