@@ -30,6 +30,7 @@ typedef struct scan_state {
     weight_check weights;
     shear_block_sums under_way;
     shear_field_sums *sums;
+    chip_scan *chips;
     sheard_validation_report *v;
 } scan_state;
 
@@ -153,6 +154,7 @@ static int scan_block(scan_state *s, shear_error *err) {
     }
     for (int i = 0; i < t->count; i++) {
         count_flags(s->v, flags[i], t->first + i);
+        TRY(chip_scan_add(s->chips, s->block, i, flags[i], err));
         if (flags[i] == 0)
             weight_check_add(&s->weights, t, i);
     }
@@ -188,7 +190,7 @@ static int scan(scan_state *s, shear_field *field, progress *bar, shear_error *e
         if (progress_callback(bar, first + count, total) != 0)
             return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
     }
-    return SHEAR_OK;
+    return chip_scan_finish(s->chips, s->v, err);
 }
 
 static void scan_deinit(scan_state *s) {
@@ -209,10 +211,10 @@ static void set_estimator(shear_result *r, enum shear_estimator estimator) {
     }
 }
 
-int field_scan(shear_field *field, const shear_plan *plan, progress *bar,
+int field_scan(shear_field *field, const shear_plan *plan, chip_scan *chips, progress *bar,
                sheard_validation_report *v, shear_error *err) {
     const shear_plan_info *resolved = shear_plan_get_info(plan);
-    CLEANUP(scan_deinit) scan_state s = {.plan = plan, .v = v};
+    CLEANUP(scan_deinit) scan_state s = {.plan = plan, .chips = chips, .v = v};
     s.is_log = shear_interpolation_is_log(resolved->interpolation);
     s.pedestal = shear_plan_get_settings(plan)->pedestal;
     v->lowest_pixel = INFINITY;

@@ -3,6 +3,7 @@
 
 #include "base/cleanup.h"
 #include "base/text.h"
+#include "local/chips_text.h"
 #include "local/report_text.h"
 #include "sheard/report.h"
 #include "terminal/message.h"
@@ -29,6 +30,14 @@ static void print_psf(const shear_field_info *f, FILE *out) {
               g->psf_nx, g->psf_ny, fine);
 }
 
+static void print_stamps(const shear_field_info *f, FILE *out) {
+    text_line(out, "stamps", "%" PRId64 " pairs of %d x %d pixels, a %s of %d-bit %s%s%s, %.4g MB",
+              f->n_stamps, f->geometry.nx, f->geometry.ny,
+              f->layout == SHEAR_LAYOUT_CUBE ? "cube" : "mosaic", abs(f->bitpix),
+              f->bitpix < 0 ? "floats" : "integers", f->compressed ? ", tile-compressed" : "",
+              f->gzipped ? ", gzipped" : "", 1e-6 * (double)f->file_bytes);
+}
+
 static void print_columns(const shear_field_info *f, FILE *out) {
     char text[128] = "";
     for (unsigned i = 0; i < sizeof column_names / sizeof column_names[0]; i++) {
@@ -38,21 +47,19 @@ static void print_columns(const shear_field_info *f, FILE *out) {
     text_line(out, "columns", "%s", text[0] != '\0' ? text : "none");
 }
 
-static void print_field(const shear_field_info *f, FILE *out) {
+static void print_field(const shear_field_info *f, bool exposure, FILE *out) {
     char scale[48] = "";
     if (isfinite(f->pixscale))
         snprintf(scale, sizeof scale, ", %.4g arcsec per pixel", f->pixscale);
     text_line(out, "field", "%s%s", f->name[0] != '\0' ? f->name : "-", scale);
-    text_line(out, "stamps", "%" PRId64 " pairs of %d x %d pixels, a %s of %d-bit %s%s%s, %.4g MB",
-              f->n_stamps, f->geometry.nx, f->geometry.ny,
-              f->layout == SHEAR_LAYOUT_CUBE ? "cube" : "mosaic", abs(f->bitpix),
-              f->bitpix < 0 ? "floats" : "integers", f->compressed ? ", tile-compressed" : "",
-              f->gzipped ? ", gzipped" : "", 1e-6 * (double)f->file_bytes);
+    if (!exposure)
+        print_stamps(f, out);
     if (f->noise_planes > 1) {
         text_line(out, "noise", "%d stamps per galaxy, whose moments are averaged",
                   f->noise_planes);
     }
-    print_psf(f, out);
+    if (!exposure)
+        print_psf(f, out);
     print_columns(f, out);
     if (f->has_truth)
         text_line(out, "truth", "g1 %+.6g, g2 %+.6g", f->sim_g1, f->sim_g2);
@@ -110,7 +117,9 @@ void validation_text_print(const sheard_validation_report *v, FILE *out) {
     sheard_report_summary s = {0};
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
     if (v->field != NULL)
-        print_field(v->field, out);
+        print_field(v->field, v->n_chips > 0, out);
+    if (v->n_chips > 0)
+        chips_text_print(v, out);
     if (v->plan != NULL && summarize(&s, v)) {
         report_text_method(&s, -1, out);
         text_line(out, "spectrum", "%d x %d grid, modes below %.4g radians per pixel",
