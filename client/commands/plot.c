@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl plot: draw a field file or a result catalog. */
+/* shearctl plot: draw a field file, an exposure or a result catalog. */
 #include "plot/plot.h"
 #include "base/cleanup.h"
-#include "cmdline/options.h"
+#include "cmdline/part_options.h"
 #include "commands/commands.h"
 #include "local/measure_input.h"
+#include "shear/chip.h"
 #include "terminal/message.h"
 
 #include <getopt.h>
@@ -12,7 +13,9 @@
 #include <sys/stat.h>
 
 typedef struct plot_command {
-    const char *path;
+    const char *path; /* of the file that gives the picture its name */
+    shear_input input;
+    part_options parts;
     const char *out; /* NULL: derived from the input's name */
     bool force;
     bool stamps_given; /* valid only for a field file, like settings */
@@ -22,25 +25,40 @@ typedef struct plot_command {
 
 CLEANUP_DEFINE(shear_catalog_table, shear_catalog_table_free)
 
+/* The side of an exposure's stamps: --stamp chooses one of them here. */
+static enum exit_code set_stamp_size(const option_entry *entry, const char *value) {
+    const option_entry size = {.name = "stamp", .context = entry->context};
+    return part_options_set(&size, value);
+}
+
 static enum exit_code parse(const command *self, int argc, char **argv, plot_command *c) {
-    const option_entry options[] = {{.name = "output", .letter = 'o', .text = &c->out},
-                                    {.name = "stamp",
-                                     .integer = &c->options.stamp,
-                                     .max = INT64_MAX,
-                                     .given = &c->stamps_given},
-                                    {.name = "stamps",
-                                     .integer = &c->options.n_stamps,
-                                     .min = 1,
-                                     .max = PLOT_MAX_STAMPS,
-                                     .given = &c->stamps_given},
-                                    {.name = "force", .flag = &c->force},
-                                    {0}};
+    /* Of options with one name the first counts. */
+    const option_entry options[] = {
+        {.name = "output", .letter = 'o', .text = &c->out},
+        {.name = "stamp",
+         .integer = &c->options.stamp,
+         .max = INT64_MAX,
+         .given = &c->stamps_given},
+        {.name = "stamps",
+         .integer = &c->options.n_stamps,
+         .min = 1,
+         .max = PLOT_MAX_STAMPS,
+         .given = &c->stamps_given},
+        {.name = "stamp-size", .set = set_stamp_size, .context = &c->parts},
+        {.name = "chip", .text = &c->options.chip},
+        {.name = "force", .flag = &c->force},
+        PART_OPTIONS(&c->parts),
+        EXPOSURE_OPTIONS(&c->parts),
+        {0}};
     TRY(options_parse(self, argc, argv, options, &c->settings));
     TRY(options_check_settings(&c->settings));
-    if (argc - optind != 1)
-        return options_fail(self, "expected one file, got %d", argc - optind);
     c->options.settings = &c->settings.values;
-    c->path = argv[optind];
+    if (argc - optind > 1 || (argc == optind && !part_options_any(&c->parts)))
+        return options_fail(self, "expected one file, got %d", argc - optind);
+    TRY(part_options_settle(&c->parts, self, argv + optind, argc - optind));
+    if (c->options.chip != NULL && (c->parts.given[SHEAR_PART_IMAGE] == NULL || c->stamps_given))
+        return options_fail(self,
+                            "--chip shows a chip of an exposure: give --image, and no stamps");
     return EXIT_CODE_DONE;
 }
 
@@ -90,24 +108,39 @@ static enum exit_code draw_catalog(shear_figure **figure, const plot_command *c,
     return plot_catalog(figure, table, &err) != 0 ? message_error(&err) : EXIT_CODE_DONE;
 }
 
-/* Draw the file as a field file or as a catalog, whichever it can be opened as. */
+static int draw_field(shear_figure **figure, shear_field *field, const plot_command *c,
+                      shear_error *err) {
+    return shear_field_chips(field) > 0 && !c->stamps_given
+               ? plot_chip(figure, field, &c->options, err)
+               : plot_sheet(figure, field, &c->options, err);
+}
+
+/* Draw the input as a field or as a catalog, whichever it can be opened as. */
 static enum exit_code draw(shear_figure **figure, const plot_command *c) {
     shear_error err = {0};
     shear_field *field = NULL;
-    if (shear_field_open(&field, c->path, &err) == SHEAR_E_FORMAT)
+    const int code = shear_field_open_input(&field, &c->input, NULL, &err);
+    if (code == SHEAR_E_FORMAT && c->input.path != NULL)
         return draw_catalog(figure, c, &err);
-    if (field != NULL && plot_sheet(figure, field, &c->options, &err) != 0)
+    if (field != NULL && draw_field(figure, field, c, &err) != 0)
         shear_prefix(&err, err.code, "%s", c->path);
     shear_field_close(field);
     return err.code != 0 ? message_error(&err) : EXIT_CODE_DONE;
 }
 
-/* Return whether `out` is the input file, which --force must not overwrite. */
-static bool is_input(const char *out, const char *path) {
+static bool are_same_file(const char *one, const char *other) {
     struct stat a;
     struct stat b;
-    return stat(out, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev &&
+    return stat(one, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev &&
            a.st_ino == b.st_ino;
+}
+
+/* Return whether `out` is an input file, which --force must not overwrite. */
+static bool is_input(const char *out, const shear_input *input) {
+    bool any = input->path != NULL && are_same_file(out, input->path);
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
+        any = any || (input->parts[i].path != NULL && are_same_file(out, input->parts[i].path));
+    return any;
 }
 
 /* Save the figure and print its path. Returns an exit code; on failure an error has been printed.
@@ -118,7 +151,7 @@ static enum exit_code save(shear_figure *figure, const plot_command *c) {
     CLEANUP(release_free) char *out = c->out != NULL ? strdup(c->out) : default_output(c->path);
     if (out == NULL)
         return message_no_memory();
-    if (is_input(out, c->path)) {
+    if (is_input(out, &c->input)) {
         return message_fail(EXIT_CODE_USAGE, "-o names another file", "%s is the input itself",
                             out);
     }
@@ -135,11 +168,21 @@ static enum exit_code save(shear_figure *figure, const plot_command *c) {
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {
-    plot_command c = {.options = {.stamp = -1, .n_stamps = PLOT_DEFAULT_STAMPS}};
+    plot_command c = {.parts = PART_OPTIONS_INIT,
+                      .options = {.stamp = -1, .n_stamps = PLOT_DEFAULT_STAMPS}};
     CLEANUP(shear_figure_release) shear_figure *figure = NULL;
+    CLEANUP(part_input_deinit) part_input parts = {0};
+    shear_error err = {0};
     TRY(parse(self, argc, argv, &c));
+    c.input = shear_input_of_file(argv[optind]);
+    if (part_options_any(&c.parts)) {
+        if (part_input_init(&parts, &c.parts, false, &err) != SHEAR_OK)
+            return message_error(&err);
+        c.input = parts.input;
+    }
+    c.path = shear_input_name(&c.input);
     TRY(draw(&figure, &c));
     return save(figure, &c);
 }
 
-COMMAND(plot, "draw a picture (PNG) of a field file or of a result catalog", run, NULL);
+COMMAND(plot, "draw a picture (PNG) of a field file, an exposure or a result catalog", run, NULL);

@@ -13,24 +13,32 @@ static const double PSF_DEPTH = 1e-4; /* range of the PSF's colour scale */
 static const double PROFILE_DEPTH = 1e-8;
 static const double PSF_REACH = 6.0; /* R_PSF shown around the centre */
 
-static int draw_psf(shear_figure *f, shear_rect cell, const stamp_reader *b, const double *psf,
+/* Return what is shown of the PSF: its core, or all its modes. */
+static int cut_psf(plot_cut *cut, const sheet_psf *psf, double radius, shear_error *err) {
+    plot_lattice lattice = {.nx = psf->nx, .ny = psf->ny, .step_x = psf->step, .step_y = psf->step};
+    plot_core_centre(psf->pixels, psf->nx, psf->ny, &lattice.x0, &lattice.y0);
+    const double reach = psf->power ? INFINITY : fmax(PSF_REACH * radius, 3.0 * psf->step);
+    return plot_cut_init(cut, psf->pixels, &lattice, reach, err);
+}
+
+static int draw_psf(shear_figure *f, shear_rect cell, const stamp_reader *b, const sheet_psf *psf,
                     shear_error *err) {
-    const shear_geometry *g = &b->info->geometry;
-    const double step = 1.0 / g->psf_oversample;
     const double radius = b->chosen->r_psf_px;
-    plot_lattice lattice = {.nx = g->psf_nx, .ny = g->psf_ny, .step_x = step, .step_y = step};
     CLEANUP(plot_cut_deinit) plot_cut cut = {0};
-    plot_core_centre(psf, g->psf_nx, g->psf_ny, &lattice.x0, &lattice.y0);
-    TRY(plot_cut_init(&cut, psf, &lattice, fmax(PSF_REACH * radius, 3.0 * step), err));
+    TRY(cut_psf(&cut, psf, radius, err));
     const double peak = plot_cut_range(&cut).hi;
     const shear_colour white = {1.0, 1.0, 1.0, 1.0};
-    shear_image image = sheet_cut_image(cell, "PSF, log scale", &cut);
+    shear_image image =
+        sheet_cut_image(cell, psf->power ? "PSF |W|^{2}, log scale" : "PSF, log scale", &cut);
     image.limits = (shear_range){PSF_DEPTH * peak, peak};
     image.ticks = true;
-    image.x_label = "x [px]";
+    image.x_label = psf->power ? "k_{x} [rad/px]" : "x [px]";
     shear_image_begin(f, &image);
-    shear_axes_circle(f, 0.0, 0.0, radius, &(shear_style){.colour = white, .width = 1.6});
-    shear_axes_text(f, 0.04, 0.92, true, "circle: R_{PSF}", &(shear_text_style){.colour = white});
+    if (!psf->power) {
+        shear_axes_circle(f, 0.0, 0.0, radius, &(shear_style){.colour = white, .width = 1.6});
+        shear_axes_text(f, 0.04, 0.92, true, "circle: R_{PSF}",
+                        &(shear_text_style){.colour = white});
+    }
     shear_axes_end(f);
     return SHEAR_OK;
 }
@@ -145,7 +153,8 @@ static void add_filter(plot_table *t, const shear_plan_info *p) {
     plot_table_add(t, "", "R_{width} = %.3f px", p->width_px);
 }
 
-static void draw_numbers(shear_figure *f, shear_rect cell, const stamp_reader *b) {
+static void draw_numbers(shear_figure *f, shear_rect cell, const stamp_reader *b,
+                         const sheet_psf *psf) {
     const shear_plan_info *p = b->chosen;
     const shear_field_info *info = b->info;
     plot_table t = {0};
@@ -154,8 +163,13 @@ static void draw_numbers(shear_figure *f, shear_rect cell, const stamp_reader *b
     plot_table_add(&t, "interpolation", "%s", shear_interpolation_name(p->interpolation));
     plot_table_add(&t, "fine grid", "s = %d, %d \xc3\x97 %d", p->oversample, p->fine_nx,
                    p->fine_ny);
-    plot_table_add(&t, "PSF image", "%d \xc3\x97 %d, %g per px", info->geometry.psf_nx,
-                   info->geometry.psf_ny, info->geometry.psf_oversample);
+    if (info->n_models == 0) {
+        plot_table_add(&t, "PSF image", "%d \xc3\x97 %d, %g per px", psf->nx, psf->ny,
+                       info->geometry.psf_oversample);
+    } else {
+        plot_table_add(&t, "PSF model", "%d \xc3\x97 %d of %.3g %s", psf->nx, psf->ny, psf->step,
+                       psf->power ? "rad/px" : "px");
+    }
     add_filter(&t, p);
     plot_table_add(&t, "k_{cut}", "%.3f rad/px = %.3g \xcf\x80", p->k_cut, p->k_cut / acos(-1.0));
     plot_table_add(&t, "noise",
@@ -173,10 +187,10 @@ int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b,
     static const double widths[4] = {1.0, 1.0, 1.55, 0.85};
     const shear_grid grid = {
         .area = area, .rows = 1, .columns = 4, .gap_x = 16.0, .column_weights = widths};
-    CLEANUP(release_free) double *psf = NULL;
+    CLEANUP(sheet_psf_deinit) sheet_psf psf = {0};
     TRY(stamp_reader_psf(&psf, b, err));
-    draw_numbers(f, shear_grid_cell(&grid, 0, 3, 1, 1), b);
-    TRY(draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err));
+    draw_numbers(f, shear_grid_cell(&grid, 0, 3, 1, 1), b, &psf);
+    TRY(draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, &psf, err));
     if (!stamp->measured)
         return SHEAR_OK;
     TRY(draw_transfer(f, shear_grid_cell(&grid, 0, 1, 1, 1), b, &stamp->steps, err));

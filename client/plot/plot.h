@@ -15,6 +15,7 @@ enum { PLOT_MAX_STAMPS = 12, PLOT_DEFAULT_STAMPS = 4 };
 typedef struct plot_options {
     int64_t stamp; /* index of the one stamp to show; -1: n_stamps usable ones, evenly spaced */
     int64_t n_stamps;
+    const char *chip;               /* of an exposure: EXTNAME, or number from 1; NULL: the first */
     const shear_settings *settings; /* of the measurement that the sheet shows */
 } plot_options;
 
@@ -22,6 +23,11 @@ typedef struct plot_options {
  * freed by the caller, NULL on error. */
 int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *options,
                shear_error *err);
+
+/* Draw a chip of an exposure: its pixels, galaxies and PSF. *figure is to be freed by the caller,
+ * NULL on error. */
+int plot_chip(shear_figure **figure, shear_field *field, const plot_options *options,
+              shear_error *err);
 
 /* Draw a result catalog: distributions, the shear with its errors, flags. *figure is to be freed by
  * the caller, NULL on error. */

@@ -5,6 +5,7 @@
 #include "shear/run.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -96,17 +97,51 @@ void sheet_stamp_deinit(sheet_stamp *stamp) {
     *stamp = (sheet_stamp){0};
 }
 
-int stamp_reader_psf(double **psf, const stamp_reader *b, shear_error *err) {
+/* Describe the samples of a stamp's model. Those on the sky are shown as if they lay in pixels. */
+static sheet_psf shape_of_model(const stamp_reader *b, const shear_psf_model *m) {
+    const bool sky = m->axes == SHEAR_PSF_AXES_SKY;
+    const bool power = m->axes == SHEAR_PSF_AXES_MODES;
+    return (sheet_psf){.nx = m->nx,
+                       .ny = m->ny,
+                       .power = power,
+                       .step = power ? 2.0 * acos(-1.0) / m->nx
+                               : sky ? m->step / b->info->pixscale
+                                     : m->step};
+}
+
+static void combine(double *out, const shear_psf_model *m, const double *terms) {
+    const size_t n = (size_t)m->nx * (size_t)m->ny;
+    for (int t = 0; t < m->terms; t++) {
+        for (size_t i = 0; i < n; i++)
+            out[i] += terms[t] * m->samples[(size_t)t * n + i];
+    }
+}
+
+int stamp_reader_psf(sheet_psf *psf, const stamp_reader *b, shear_error *err) {
     const shear_geometry *g = &b->info->geometry;
-    const size_t pixels = (size_t)g->psf_nx * (size_t)g->psf_ny;
     const shear_stamps *stamps = &b->block->stamps;
-    *psf = calloc(pixels, sizeof **psf);
-    if (*psf == NULL)
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a PSF image");
-    if (b->info->psf_layout == SHEAR_PSF_ONE)
-        return shear_field_read_psf(b->field, 0, *psf, err);
     const int which = stamps->psf_index != NULL ? stamps->psf_index[0] : 0;
-    if (which >= 0 && which < stamps->n_psf)
-        memcpy(*psf, stamps->psf + (size_t)which * pixels, pixels * sizeof **psf);
+    const shear_psf_model *models = NULL;
+    const int n_models = shear_field_get_models(b->field, &models);
+    const shear_psf_model *m = which >= 0 && which < n_models ? &models[which] : NULL;
+    *psf = m != NULL
+               ? shape_of_model(b, m)
+               : (sheet_psf){.nx = g->psf_nx, .ny = g->psf_ny, .step = 1.0 / g->psf_oversample};
+    const size_t pixels = (size_t)psf->nx * (size_t)psf->ny;
+    psf->pixels = calloc(pixels, sizeof *psf->pixels);
+    if (psf->pixels == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a PSF image");
+    if (m != NULL) {
+        combine(psf->pixels, m, stamps->psf_terms);
+    } else if (b->info->psf_layout == SHEAR_PSF_ONE) {
+        return shear_field_read_psf(b->field, 0, psf->pixels, err);
+    } else if (which >= 0 && which < stamps->n_psf) {
+        memcpy(psf->pixels, stamps->psf + (size_t)which * pixels, pixels * sizeof *psf->pixels);
+    }
     return SHEAR_OK;
+}
+
+void sheet_psf_deinit(sheet_psf *psf) {
+    free(psf->pixels);
+    *psf = (sheet_psf){0};
 }

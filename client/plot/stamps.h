@@ -37,6 +37,13 @@ typedef struct sheet_stamp {
 int stamp_reader_read(stamp_reader *b, int64_t index, sheet_stamp *stamp, shear_error *err);
 void sheet_stamp_deinit(sheet_stamp *stamp);
 
-/* Set *psf to the PSF of the stamp that was read last, [psf_ny][psf_nx], to be freed by the caller.
- */
-int stamp_reader_psf(double **psf, const stamp_reader *b, shear_error *err);
+/* The PSF of a stamp. */
+typedef struct sheet_psf {
+    int nx, ny;
+    double step;    /* between samples: pixels, or radians per pixel */
+    bool power;     /* the samples are |W|^2, at modes */
+    double *pixels; /* [ny][nx], owned */
+} sheet_psf;
+/* Make the PSF of the stamp that was read last. Call sheet_psf_deinit after an error, too. */
+int stamp_reader_psf(sheet_psf *psf, const stamp_reader *b, shear_error *err);
+void sheet_psf_deinit(sheet_psf *psf);

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shearctl validate of exposures: mock exposures, with their truth as the catalog and an image as the PSF."""
+"""shearctl validate and plot of exposures: mock exposures, with their truth as the catalog and an image as the PSF."""
 import math
 import unittest
 
 from fitsfile import image, primary, table
-from tool import DONE, ToolTest, shearctl
+from test_plot import read_png
+from tool import DONE, USAGE, ToolTest, shearctl
 
 FWHM = 3.8
 
@@ -108,6 +109,51 @@ class Validate(Exposure):
         verdict = self.validate(*options, "--frame", "pixel")
         self.assertNotIn("WCS", "\n".join(verdict["warnings"]))
         self.assertEqual(verdict["exposure"]["distortion"], {"min": None, "max": None})
+
+
+class Plot(Exposure):
+    def plotted(self, *args, out="out.png"):
+        answer = shearctl("plot", *args, "-o", self.path(out))
+        self.assertCode(answer, DONE)
+        self.assertEqual((answer.out, answer.err), (self.path(out) + "\n", ""))
+        return read_png(self.path(out))
+
+    def test_a_chip(self):
+        options = self.expose("--chips", "2x1")
+        width, height, first = self.plotted(*options, out="1.png")
+        self.assertGreaterEqual(width, 1200)
+        self.assertGreater(height, 600)
+        self.assertTrue(self.plotted(*options, "--chip", 1, out="number.png")[2] == first)
+        second = self.plotted(*options, "--chip", "chip2", out="2.png")[2]
+        self.assertFalse(second == first)
+        self.assertTrue(self.plotted(*options, "--chip", 2, out="number2.png")[2] == second)
+
+    def test_what_is_drawn(self):
+        """Other bad pixels, noise stamps, galaxies and frames give other pictures, and the same give the same."""
+        options = self.expose()
+        pictures = [self.plotted(*options, *more, out=f"{i}.png")[2]
+                    for i, more in enumerate([[], [], ["--stamp-size", 48], ["--frame", "pixel"],
+                                              ["--select", "NUMBER > 5"]])]
+        weight = options.index("--weight")
+        del options[weight:weight + 2]
+        pictures.append(self.plotted(*options, "--mask-bad", "bits=4", out="mask.png")[2])
+        self.assertEqual(len({bytes(p) for p in pictures}), 5)
+        self.assertTrue(pictures[0] == pictures[1])
+
+    def test_stamps_of_an_exposure(self):
+        options = self.expose()
+        one = self.plotted(*options, "--stamp", 10, out="one.png")
+        self.assertGreater(self.plotted(*options, "--stamps", 2, out="two.png")[1], one[1])
+        self.assertFalse(self.plotted(*options, "--stamp", 10, "--stamp-size", 48, out="small.png")[2] == one[2])
+
+    def test_options_that_do_not_fit(self):
+        options = self.expose()
+        self.assertFails(shearctl("plot", *options, "--chip", "nowhere"), USAGE, "no chip 'nowhere'", "CHIP1")
+        self.assertFails(shearctl("plot", *options, "--chip", 0), USAGE, "no chip '0'")
+        self.assertFails(shearctl("plot", *options, "--chip", 1, "--stamp", 1), USAGE, "--chip")
+        self.assertFails(shearctl("plot", self.path("exp.truth.fits"), "--chip", 1), USAGE, "--chip")
+        self.assertFails(shearctl("plot", *options, "-o", self.path("exp.mask.fits"), "--force"), USAGE, "input itself")
+        self.assertFails(shearctl("plot"), USAGE, "one file")
 
 
 if __name__ == "__main__":
