@@ -29,6 +29,7 @@ static const shear_mock_option table[] = {
     ROW("galaxies", DOUBLE, galaxies, 0, 1000, "N", "per square arcmin"),
     ROW("stars", DOUBLE, stars, 0, 1000, "N", "per square arcmin"),
     ROW("spacing", DOUBLE, spacing_px, 0, 4096, "PX", "of a jittered grid; 0: random places"),
+    SWITCH("shear-places", ON, shear_places, "distances between galaxies are sheared, too"),
     SWITCH("fours", ON, fours, "each galaxy at 0, 45, 90 and 135 degrees, in different places"),
     ROW("flux", PAIR, flux_min, 1e-6, 1e12, "MIN,MAX", "of galaxies, ADU"),
     ROW("flux-slope", DOUBLE, flux_slope, 0, 10, "X", "N(> F) is proportional to F^-X"),

@@ -10,6 +10,9 @@
 
 /* Galaxies in a grid leave their cell's centre by at most this part of the spacing. */
 static const double jitter = 0.1;
+/* Galaxies of a cell are sheared about its centre: those of the whole field would move by many
+ * pixels, and have other noise. */
+static const double cell_px = 400.0;
 static const double max_ellipticity = 0.7;
 
 static uint64_t index_of(int chip, int64_t number) {
@@ -87,6 +90,23 @@ static bool put(const shear_mock_exposure *e, const places *p, int chip, int64_t
     return gsl_rng_uniform(&r.rng) * (e->galaxies + e->stars) < e->stars;
 }
 
+/* Shear an object's place about the centre of its cell, on the sky. */
+static void shear_place(const shear_mock_exposure *e, const focal_plane *f, const chip_place *chip,
+                        scene_object *o) {
+    const double cx = 0.5 + cell_px * (floor((o->x - 0.5) / cell_px) + 0.5);
+    const double cy = 0.5 + cell_px * (floor((o->y - 0.5) / cell_px) + 0.5);
+    const sky_place centre = focal_plane_sky(f, cx - chip->crpix_x, cy - chip->crpix_y);
+    const double *j = centre.j;
+    const double u = j[0] * (o->x - cx) + j[1] * (o->y - cy);
+    const double v = j[2] * (o->x - cx) + j[3] * (o->y - cy);
+    const double scale = 1.0 / sqrt(1.0 - e->g1 * e->g1 - e->g2 * e->g2);
+    const double su = scale * ((1.0 + e->g1) * u + e->g2 * v);
+    const double sv = scale * (e->g2 * u + (1.0 - e->g1) * v);
+    const double det = j[0] * j[3] - j[1] * j[2];
+    o->x = cx + (j[3] * su - j[1] * sv) / det;
+    o->y = cy + (j[0] * sv - j[2] * su) / det;
+}
+
 bool scene_init(scene *s, const shear_mock_exposure *e, const focal_plane *f, int i) {
     const places p = places_of(e);
     const chip_place chip = focal_plane_chip(e, i);
@@ -102,6 +122,8 @@ bool scene_init(scene *s, const shear_mock_exposure *e, const focal_plane *f, in
         } else {
             draw_galaxy(e, i, galaxies++, o);
         }
+        if (e->shear_places && !o->is_star)
+            shear_place(e, f, &chip, o);
         o->dx = o->x - chip.crpix_x;
         o->dy = o->y - chip.crpix_y;
         o->sky = focal_plane_sky(f, o->dx, o->dy);

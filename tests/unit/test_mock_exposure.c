@@ -330,6 +330,34 @@ static void test_fours_cancel(void **state) {
     scene_deinit(&s);
 }
 
+/* Distances between galaxies of one cell are sheared on the sky; stars stay. */
+static void test_sheared_places(void **state) {
+    (void)state;
+    shear_mock_exposure e = EXPOSURE("chip-size", "400", "shear-places", "yes", "rotation", "20",
+                                     "mirrored", "yes", "shear", "0.1,-0.05");
+    const focal_plane f = focal_plane_make(&e);
+    scene sheared, still;
+    assert_true(scene_init(&sheared, &e, &f, 0));
+    e.shear_places = false;
+    assert_true(scene_init(&still, &e, &f, 0));
+    const double scale = 1.0 / sqrt(1.0 - 0.01 - 0.0025);
+    for (int64_t i = 1; i < still.n; i++) {
+        double u, v, su, sv;
+        const scene_object *a = &still.objects[i];
+        const scene_object *b = &sheared.objects[i];
+        if (a->is_star) {
+            assert_true(a->x == b->x && a->y == b->y);
+            continue;
+        }
+        tangent(&still.objects[0].sky, &a->sky, &u, &v);
+        tangent(&sheared.objects[0].sky, &b->sky, &su, &sv);
+        assert_close(su, scale * (1.1 * u - 0.05 * v), 2e-5 * (fabs(u) + fabs(v)));
+        assert_close(sv, scale * (-0.05 * u + 0.9 * v), 2e-5 * (fabs(u) + fabs(v)));
+    }
+    scene_deinit(&sheared);
+    scene_deinit(&still);
+}
+
 static void test_numbers_and_fluxes(void **state) {
     (void)state;
     const shear_mock_exposure e = EXPOSURE("galaxies", "30", "stars", "3", "flux-slope", "1.5");
@@ -361,6 +389,7 @@ int main(void) {
         cmocka_unit_test(test_small_stamps_miss_what_is_negligible),
         cmocka_unit_test(test_what_is_beyond_the_image_is_left_out),
         cmocka_unit_test(test_fours_cancel),
+        cmocka_unit_test(test_sheared_places),
         cmocka_unit_test(test_numbers_and_fluxes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -16,7 +16,9 @@
  *    comes on top: the PSF of a star stamp is that of the table PSF_* times the pixel.
  *
  * 3. Every random number is a function of (seed, purpose, chip, number of the object or row). With
- *    the same seed and another shear, an exposure has the same galaxies, places and noise.
+ *    the same seed and another shear, an exposure has the same galaxies, places and noise. Places
+ *    that are not sheared dilute the shear of galaxies that overlap: shear_places moves them, about
+ *    the centres of cells of 400 px.
  *
  * 4. Coordinates are TAN, or TPV with --distortion or --skew: with (x, y) = CD (pixel - CRPIX) in
  *    degrees, xi = x (1 + s1) + y s2 + k x r^2, eta = y (1 - s1) + x s2 + k y r^2.
@@ -46,6 +48,7 @@ typedef struct shear_mock_exposure {
     /* objects */
     double galaxies, stars;              /* per square arcmin */
     double spacing_px;                   /* of a jittered grid; 0: random places */
+    bool shear_places;                   /* distances between galaxies are sheared, too */
     bool fours;                          /* each galaxy at 0, 45, 90, 135 degrees */
     double flux_min, flux_max;           /* of galaxies, ADU */
     double flux_slope;                   /* N(> F) is proportional to F^-slope */
