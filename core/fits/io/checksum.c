@@ -9,6 +9,7 @@
 #include "fits/io/source.h"
 #include "shear/field.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -181,12 +182,26 @@ int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error 
     return SHEAR_OK;
 }
 
+/* Append which HDU a part is: its number; of an exposure, whose parts may be in many HDUs, how it
+ * was chosen, in any case of letters. */
+static void append_hdu(const shear_hashing *h, int part, char *text, size_t size) {
+    const shear_input_part *chosen = &h->input->parts[part];
+    if (!shear_input_is_exposure(h->input)) {
+        text_append(text, size, "%lld\n", h->hdu[part]);
+        return;
+    }
+    text_append(text, size, "%lld ", (long long)chosen->hdu);
+    for (const char *c = chosen->extname; c != NULL && *c != '\0'; c++)
+        text_append(text, size, "%c", toupper((unsigned char)*c));
+    text_append(text, size, "\n");
+}
+
 void shear_hashing_text(const shear_hashing *h, char out[SHEAR_CHECKSUM_SIZE]) {
-    char text[SHEAR_N_PARTS * 80] = "";
+    char text[SHEAR_N_PARTS * 160] = "";
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         if (h->file_of[i] >= 0) {
-            text_append(text, sizeof text, "%s %s %lld\n", shear_part_name(i),
-                        h->sums[h->file_of[i]], h->hdu[i]);
+            text_append(text, sizeof text, "%s %s ", shear_part_name(i), h->sums[h->file_of[i]]);
+            append_hdu(h, i, text, sizeof text);
         }
     }
     if (!h->whole && h->separate) {
