@@ -17,14 +17,18 @@ static const double EFFECT_MIN = 1e-4; /* of the noise level, to be worth words 
 
 /* ---- The processing of the stamps ---- */
 
-/* Write "2.4 px", or "2.4 to 2.6 px" if files differ, into buf. Returns buf. */
-static char *length_text(double from, double to, char *buf, size_t size) {
+/* Write "2.4 UNIT", or "2.4 to 2.6 UNIT" if files differ, into buf. Returns buf. */
+static char *range_text(double from, double to, const char *unit, char *buf, size_t size) {
     if (to > from) {
-        snprintf(buf, size, "%.4g to %.4g px", from, to);
+        snprintf(buf, size, "%.4g to %.4g %s", from, to, unit);
     } else {
-        snprintf(buf, size, "%.4g px", from);
+        snprintf(buf, size, "%.4g %s", from, unit);
     }
     return buf;
+}
+
+static char *length_text(double from, double to, char *buf, size_t size) {
+    return range_text(from, to, "px", buf, size);
 }
 
 static bool is_filter(const char *name, enum shear_filter filter) {
@@ -93,6 +97,25 @@ void report_text_method(const sheard_report_summary *s, int64_t artefacts, FILE 
     print_filter(s, out);
     print_background(s, out);
     print_artefacts(s, artefacts, out);
+}
+
+/* Print along which axes the shear is, for results that say so. */
+static void print_frame(const sheard_report_summary *s, FILE *out) {
+    static const struct {
+        const char *frame, *axes;
+    } known[] = {{"pixel", "x along rows, y along columns"},
+                 {"sky", "x to the West, y to the North"},
+                 {"sky-east", "x to the East, y to the North"},
+                 {"mixed", "its files were measured along different axes"}};
+    char beta[64] = "";
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (strcmp(s->frame, known[i].frame) != 0)
+            continue;
+        if (isfinite(s->beta_sky))
+            range_text(s->beta_sky, s->beta_sky_to, "arcsec", beta, sizeof beta);
+        text_line(out, "frame", "%s: %s%s%s", s->frame, known[i].axes,
+                  beta[0] != '\0' ? ", beta " : "", beta);
+    }
 }
 
 /* ---- The quality of the result ---- */
@@ -195,6 +218,7 @@ static void print_summary(const sheard_report_summary *s, const char *reason, bo
     print_stamps(s, out);
     if (s->interpolation[0] != '\0')
         report_text_method(s, count_artefacts(s), out);
+    print_frame(s, out);
     if (isfinite(s->g1))
         report_text_quality(s, out);
     print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, own, out);

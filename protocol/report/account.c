@@ -34,6 +34,15 @@ static enum shear_noise_band noise_band_named(const char *name) {
     return SHEAR_NOISE_BAND_NONE;
 }
 
+/* Return the frame of this name. Accounts of older versions have none: they are of pixels. */
+static enum shear_frame frame_named(const char *name) {
+    for (unsigned i = 0; name != NULL && i < SHEAR_N_FRAMES; i++) {
+        if (strcmp(shear_frame_name(i), name) == 0)
+            return i;
+    }
+    return SHEAR_FRAME_PIXEL;
+}
+
 /* Read the PSF's summary. Accounts of older versions have none: it is unknown then. */
 static shear_psf_summary read_psf(const json_t *o) {
     shear_psf_summary s = {
@@ -55,6 +64,7 @@ static shear_psf_summary read_psf(const json_t *o) {
 }
 
 static shear_plan_info read_plan(const json_t *entry, const json_t *o) {
+    const enum shear_frame frame = frame_named(json_text_string_at(o, "frame"));
     return (shear_plan_info){
         .geometry = {.nx = small(entry, "nx"), .ny = small(entry, "ny")},
         .filter_per_stamp = json_is_true(json_object_get(entry, "per_stamp")),
@@ -68,6 +78,8 @@ static shear_plan_info read_plan(const json_t *entry, const json_t *o) {
         .width_px = json_text_number_at(o, "width_px"),
         .noise_band = noise_band_named(json_text_string_at(o, "noise_band")),
         .k_cut = json_text_number_at(o, "k_cut"),
+        .frame = frame,
+        .beta = json_text_number_at(o, frame != SHEAR_FRAME_PIXEL ? "beta_sky" : "beta_px"),
         .psf = read_psf(json_object_get(entry, "psf")),
     };
 }

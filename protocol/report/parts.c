@@ -4,6 +4,8 @@
 #include "sheard/no_shear.h"
 #include "json/text.h"
 
+#include <math.h>
+
 json_t *parts_plan(const shear_plan_info *plan) {
     if (plan == NULL)
         return json_null();
@@ -17,7 +19,9 @@ json_t *parts_plan(const shear_plan_info *plan) {
         {"core_found", json_boolean(plan->core_found)},
         {"width_px", json_text_number(plan->width_px)},
         {"noise_band", json_text_string(shear_noise_band_name(plan->noise_band))},
-        {"k_cut", json_text_number(plan->k_cut)});
+        {"k_cut", json_text_number(plan->k_cut)},
+        {"frame", json_text_string(shear_frame_name(plan->frame))},
+        {"beta_sky", json_text_number(plan->frame != SHEAR_FRAME_PIXEL ? plan->beta : NAN)});
 }
 
 json_t *parts_psf(const shear_psf_summary *s) {

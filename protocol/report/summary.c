@@ -61,7 +61,19 @@ static void read_plan(sheard_report_summary *s, const json_t *plan) {
     s->core_px = json_text_number_at(plan, "core_px");
     s->width_px = json_text_number_at(plan, "width_px");
     s->core_found = json_is_true(json_object_get(plan, "core_found"));
+    s->beta_sky = json_text_number_at(plan, "beta_sky");
     text_of(plan, "noise_band", s->noise_band, sizeof s->noise_band);
+}
+
+/* Read the frame that all files have; "mixed" if they differ. */
+static void read_frame(sheard_report_summary *s, const json_t *plan, const json_t *files) {
+    text_of(plan, "frame", s->frame, sizeof s->frame);
+    for (size_t i = 0; i < json_array_size(files); i++) {
+        const char *frame =
+            json_text_string_at(json_object_get(json_array_get(files, i), "resolved"), "frame");
+        if (frame != NULL && strcmp(frame, s->frame) != 0)
+            text_set(s->frame, sizeof s->frame, "mixed");
+    }
 }
 
 /* Read the range of a resolved setting, as PSFs and galaxies of a field's files may differ. The
@@ -80,6 +92,7 @@ static void read_ranges(sheard_report_summary *s, const json_t *files) {
     read_range(files, "beta_px", &s->beta_px, &s->beta_to);
     read_range(files, "r_psf_px", &s->r_psf_px, &s->r_psf_to);
     read_range(files, "core_px", &s->core_px, &s->core_to);
+    read_range(files, "beta_sky", &s->beta_sky, &s->beta_sky_to);
 }
 
 static void read_settings(sheard_report_summary *s, const json_t *settings) {
@@ -119,6 +132,7 @@ int sheard_report_summary_parse(sheard_report_summary *s, const char *text, shea
     read_quality(s, o);
     read_plan(s, json_object_get(o, "resolved"));
     read_ranges(s, json_object_get(o, "files"));
+    read_frame(s, json_object_get(o, "resolved"), json_object_get(o, "files"));
     read_settings(s, json_object_get(o, "settings"));
     if (!read_warnings(s, json_object_get(o, "warnings"))) {
         sheard_report_summary_deinit(s);

@@ -16,7 +16,8 @@ KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", 
         "delta_err", "no_shear", "noise_level", "influence", "estimators", "filter_removed", "warnings", "version",
         "seconds"]
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
-         "bad_r_gal", "overflow", "artefact", "noise_artefact"]
+         "bad_r_gal", "overflow", "artefact", "noise_artefact", "edge", "hole", "saturated",
+         "neighbour", "no_noise", "no_position"]
 
 
 def default_settings():
@@ -30,7 +31,7 @@ def default_settings():
 
 SETTINGS = default_settings()
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "core_found", "width_px",
-            "noise_band", "k_cut"]
+            "noise_band", "k_cut", "frame", "beta_sky"]
 
 
 def content_of(path):

@@ -28,7 +28,10 @@ typedef struct sheard_report_summary {
     char noise_band[16];
     int64_t oversample;
     double beta_px, r_psf_px, core_px, width_px;
-    double beta_to, r_psf_to, core_to; /* largest value among the files; the smallest is above */
+    double beta_sky;                                /* arcsec; NaN in the pixel frame */
+    double beta_to, r_psf_to, core_to, beta_sky_to; /* largest value among the files; the smallest
+                                                       is above */
+    char frame[16];                                 /* of the shear: enum shear_frame, or "mixed" */
     bool core_found;
     char asked_filter[24], background[16], artefacts[16]; /* settings as requested */
     char **warnings;                                      /* [n_warnings], owned */
