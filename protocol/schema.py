@@ -56,7 +56,7 @@ def asked_member(m):
         "ints": lambda: {"type": kind("array", m), "items": {"type": "integer", "minimum": 1}, **more},
         "texts": lambda: {"type": kind("array", m), "items": {"type": "string", **text(m, m["item_max"])}, **more},
         "settings": lambda: or_null(ref("settings")),
-        "object": lambda: or_null(ref(m["table"])),
+        "object": lambda: ref(m["table"]) if m["required"] else or_null(ref(m["table"])),
     }[m["type"]]()
 
 
@@ -64,6 +64,14 @@ def asked(members):
     schema = {"type": "object", "properties": {m["name"]: asked_member(m) for m in members}}
     required = [m["name"] for m in members if m["required"]]
     return {**schema, **({"required": required} if required else {}), "additionalProperties": False}
+
+
+def asked_parts(members):
+    """Return the definitions of all objects among the members, the inner ones first."""
+    found = {}
+    for m in (m for m in members if "table" in m):
+        found.update({**asked_parts(m["members"]), m["table"]: asked(m["members"])})
+    return found
 
 
 # ---- Messages of the service: all members are present, and newer services may add some ----
@@ -167,8 +175,8 @@ def schema(code):
     data["properties"]["code"]["enum"] = [c["name"] for c in code["codes"] if c["name"] not in CLIENT_ONLY]
     defs.update(settings(code))
     defs.update({f"params_{m['name']}": asked(m["params"]) for m in code["methods"]})
-    image = next(m for m in code["methods"] if m["name"] == "submit")["params"][1]
-    defs[image["table"]] = asked(image["members"])
+    for method in code["methods"]:
+        defs.update(asked_parts(method["params"]))
     defs.update({f"reply_{m['name']}": told.use(m["table"], m["reply"]) for m in code["methods"]})
     defs.update({f"notice_{n['name']}": told.use(n["table"], n["params"]) for n in code["notifications"]})
     defs["side_file"] = told.use("side", code["side"])

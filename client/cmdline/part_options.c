@@ -58,6 +58,8 @@ static enum exit_code settle_exposure(part_options *o, const command *self, int 
         return options_fail(self, "give either field files, or --galaxy ..., or --image ...");
     if (o->given[SHEAR_PART_CATALOG] != NULL)
         return options_fail(self, "the catalog of an exposure is --sources");
+    if (o->mosaic.stamp_nx != 0 || o->mosaic.stamps != 0)
+        return options_fail(self, "the side of an exposure's stamps is --stamp");
     if (o->sources == NULL || o->given[SHEAR_PART_PSF] == NULL)
         return options_fail(self, "--image needs --sources and --psf");
     o->given[SHEAR_PART_CATALOG] = o->sources;

@@ -37,17 +37,17 @@ MSG_PART(image, MSG_STRING(image, path, SHEARD_MSG_PATH_MAX, MSG_REQUIRED | MSG_
 #define OPTION_NUMBER(member, low, high) MSG_NUMBER(exposure, member, low, high, -1, MSG_NULLABLE)
 #define OPTION_TEXT(member)              MSG_STRING(exposure, member, SHEARD_MSG_OPTION_MAX, MSG_PLAIN)
 
-MSG_PART(exposure, MSG_STRUCT(exposure, image, image, MSG_NULLABLE),
-         MSG_STRUCT(exposure, sources, image, MSG_NULLABLE),
-         MSG_STRUCT(exposure, psf, image, MSG_NULLABLE),
-         MSG_STRUCT(exposure, weight, image, MSG_NULLABLE), OPTION_TEXT(weight_kind),
-         MSG_STRUCT(exposure, mask, image, MSG_NULLABLE), OPTION_TEXT(mask_bad),
-         MSG_STRUCT(exposure, segmentation, image, MSG_NULLABLE),
-         MSG_STRUCT(exposure, wcs, image, MSG_NULLABLE), OPTION_TEXT(columns),
-         OPTION_NUMBER(origin, 0, 1), OPTION_TEXT(select), OPTION_TEXT(psf_kind),
+/* A required file is null only in an exposure that is not there. */
+#define EXPOSURE_FILE(member, flag) MSG_STRUCT(exposure, member, image, MSG_NULLABLE | (flag))
+
+MSG_PART(exposure, EXPOSURE_FILE(image, MSG_REQUIRED), EXPOSURE_FILE(sources, MSG_REQUIRED),
+         EXPOSURE_FILE(psf, MSG_REQUIRED), EXPOSURE_FILE(weight, 0), OPTION_TEXT(weight_kind),
+         EXPOSURE_FILE(mask, 0), OPTION_TEXT(mask_bad), EXPOSURE_FILE(segmentation, 0),
+         EXPOSURE_FILE(wcs, 0), OPTION_TEXT(columns), OPTION_NUMBER(origin, 0, 1),
+         OPTION_TEXT(select), OPTION_TEXT(psf_kind),
          OPTION_NUMBER(stamp, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE), OPTION_TEXT(noise),
-         MSG_STRUCT(exposure, noise_image, image, MSG_NULLABLE),
-         OPTION_NUMBER(noise_stamps, 1, SHEAR_MAX_NOISE_PLANES), OPTION_TEXT(frame));
+         EXPOSURE_FILE(noise_image, 0), OPTION_NUMBER(noise_stamps, 1, SHEAR_MAX_NOISE_PLANES),
+         OPTION_TEXT(frame));
 
 /* A number that is 0 if it is not given. */
 #define MSG_NUMBER_AS(T, member, key, low, high)                                                   \
@@ -92,13 +92,22 @@ void sheard_source_parts(sheard_msg_source *s, sheard_msg_image *parts[SHEAR_N_P
     parts[SHEAR_PART_WCS] = &e->wcs;
 }
 
+/* Write the path of a part's HDU in JSON. */
+static void hdu_parameter(char *buf, size_t size, int part, bool exposure) {
+    const char *name = !exposure                    ? shear_part_name(part)
+                       : part == SHEAR_PART_CATALOG ? "sources"
+                       : part == SHEAR_PART_NOISE   ? "noise_image"
+                                                    : shear_part_name(part);
+    snprintf(buf, size, "%s%s.hdu", exposure ? "exposure." : "", name);
+}
+
 /* Check that each HDU is given by its number or by its name, not both. */
-static int check_choices(sheard_msg_image *const parts[SHEAR_N_PARTS], const char *prefix,
+static int check_choices(sheard_msg_image *const parts[SHEAR_N_PARTS], bool exposure,
                          sheard_rpc_error *error) {
     char parameter[SHEARD_RPC_PARAMETER_SIZE];
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         if (parts[i]->hdu >= 0 && parts[i]->extname != NULL) {
-            snprintf(parameter, sizeof parameter, "%s%s.hdu", prefix, shear_part_name(i));
+            hdu_parameter(parameter, sizeof parameter, i, exposure);
             return sheard_rpc_fail_parameter(error, SHEARD_RPC_BAD_PARAMETER, parameter,
                                              "give \"hdu\" or \"extname\"",
                                              "contradicts 'extname'");
@@ -156,6 +165,11 @@ static int check_exposure(const sheard_msg_exposure *e, sheard_rpc_error *error)
                                                   : NULL;
     if (missing != NULL)
         return bad_source(error, SHEARD_RPC_MISSING_PARAMETER, missing, "is missing");
+    if (e->noise != NULL && e->noise_image.path != NULL) {
+        return sheard_rpc_fail_parameter(error, SHEARD_RPC_BAD_PARAMETER, "exposure.noise",
+                                         "give \"noise\" or \"noise_image\"",
+                                         "contradicts 'noise_image'");
+    }
     for (int i = 0; i < N_OPTIONS; i++) {
         if (set_option(&unused, e, i, &err) != SHEAR_OK) {
             snprintf(parameter, sizeof parameter, "exposure.%s", options[i].member);
@@ -180,6 +194,23 @@ static int check_images(sheard_msg_image *const parts[SHEAR_N_PARTS], bool any,
     return SHEARD_RPC_OK;
 }
 
+/* Check that an exposure has neither images of stamps beside it, nor their layout. */
+static int check_alone(const sheard_msg_source *s, bool any, sheard_rpc_error *error) {
+    if (any)
+        return bad_source(error, SHEARD_RPC_BAD_PARAMETER, "exposure",
+                          "contradicts separate images");
+    if (s->stamp_nx != 0 || s->stamp_ny != 0 || s->stamps != 0) {
+        return sheard_rpc_fail_parameter(
+            error, SHEARD_RPC_BAD_PARAMETER,
+            s->stamp_nx != 0   ? "stamp_nx"
+            : s->stamp_ny != 0 ? "stamp_ny"
+                               : "stamps",
+            "the side of an exposure's stamps is \"exposure\": {\"stamp\": N}",
+            "contradicts 'exposure'");
+    }
+    return SHEARD_RPC_OK;
+}
+
 static int check_source(const void *message, sheard_rpc_error *error) {
     sheard_msg_source s = *(const sheard_msg_source *)message;
     sheard_msg_image *parts[SHEAR_N_PARTS];
@@ -188,13 +219,12 @@ static int check_source(const void *message, sheard_rpc_error *error) {
     sheard_source_parts(&s, parts);
     if (s.path != NULL && (any || is_exposure(&s)))
         return bad_source(error, SHEARD_RPC_BAD_PARAMETER, "path", "contradicts separate images");
-    if (is_exposure(&s) && any)
-        return bad_source(error, SHEARD_RPC_BAD_PARAMETER, "exposure",
-                          "contradicts separate images");
+    if (is_exposure(&s))
+        TRY(check_alone(&s, any, error));
     if (s.path != NULL)
         return SHEARD_RPC_OK;
     TRY(is_exposure(&s) ? check_exposure(&s.exposure, error) : check_images(parts, any, error));
-    return check_choices(parts, is_exposure(&s) ? "exposure." : "", error);
+    return check_choices(parts, is_exposure(&s), error);
 }
 MSG_TABLE(source, check_source);
 

@@ -158,7 +158,8 @@ static void fill_member(void *message, const msg_member *m, uint64_t *seed) {
         break;
     case MSG_OBJECT:
         fill(at, m->table, seed);
-        if (m->flags & MSG_NULLABLE && (coin(seed) || !msg_is_there(at, m->table))) {
+        if (m->flags & MSG_NULLABLE && !(m->flags & MSG_REQUIRED) &&
+            (coin(seed) || !msg_is_there(at, m->table))) {
             msg_deinit(at, m->table);
             msg_init(at, m->table);
         }
@@ -180,24 +181,67 @@ static void drop_path(const char **path) {
     *path = NULL;
 }
 
+static void one_image(sheard_msg_image *image, bool there, uint64_t *seed) {
+    drop_path(&image->path);
+    drop_path(&image->extname);
+    image->hdu = -1;
+    if (!there)
+        return;
+    image->path = some_text(SHEARD_MSG_PATH_MAX, MSG_ABSOLUTE, seed);
+    if (coin(seed)) {
+        image->extname = some_text(SHEARD_MSG_EXTNAME_MAX, MSG_PLAIN, seed);
+    } else {
+        image->hdu = integer_within(-1, SHEARD_MSG_HDU_MAX, seed);
+    }
+}
+
+static void one_choice(const char **option, const char *choice, uint64_t *seed) {
+    drop_path(option);
+    *option = coin(seed) ? strdup(choice) : NULL;
+}
+
+/* Words of those options that are one of several. */
+static void one_exposure(sheard_msg_exposure *e, uint64_t *seed) {
+    static const char *const frames[] = {"sky", "sky-east", "pixel"};
+    sheard_msg_image *files[] = {&e->image, &e->sources,      &e->psf, &e->weight,
+                                 &e->mask,  &e->segmentation, &e->wcs, &e->noise_image};
+    for (int i = 0; i < 8; i++)
+        one_image(files[i], i < 3 || coin(seed), seed);
+    one_choice(&e->weight_kind, "rms", seed);
+    one_choice(&e->mask_bad, "bits=6", seed);
+    one_choice(&e->columns, "x=XWIN_IMAGE,y=YWIN_IMAGE", seed);
+    one_choice(&e->psf_kind, "psfex", seed);
+    one_choice(&e->noise, "white", seed);
+    if (e->noise_image.path != NULL)
+        drop_path(&e->noise);
+    one_choice(&e->frame, frames[next_random(seed) % 3], seed);
+}
+
+/* The table that is private to the tables of parameters. */
+static const msg_table *table_of_exposure(void) {
+    const msg_member *m = msg_source.members;
+    while (strcmp(m->name, "exposure") != 0)
+        m++;
+    return m->table;
+}
+
+enum kind { FIELD_FILE, IMAGES, EXPOSURE, N_KINDS };
+
 static void one_source(sheard_msg_source *s, uint64_t *seed) {
     sheard_msg_image *images[] = {&s->galaxy, &s->noise, &s->psf, &s->catalog};
-    const bool separate = s->path == NULL || coin(seed);
-    for (int i = 0; i < 4; i++) {
-        drop_path(&images[i]->path);
-        drop_path(&images[i]->extname);
-        images[i]->hdu = -1;
-        if (separate && (i < 3 || coin(seed))) {
-            images[i]->path = some_text(SHEARD_MSG_PATH_MAX, MSG_ABSOLUTE, seed);
-            if (coin(seed)) {
-                images[i]->extname = some_text(SHEARD_MSG_EXTNAME_MAX, MSG_PLAIN, seed);
-            } else {
-                images[i]->hdu = integer_within(-1, SHEARD_MSG_HDU_MAX, seed);
-            }
-        }
+    const enum kind kind = (enum kind)(next_random(seed) % N_KINDS);
+    for (int i = 0; i < 4; i++)
+        one_image(images[i], kind == IMAGES && (i < 3 || coin(seed)), seed);
+    drop_path(&s->path);
+    if (kind == FIELD_FILE)
+        s->path = some_text(SHEARD_MSG_PATH_MAX, MSG_ABSOLUTE, seed);
+    if (kind == EXPOSURE) {
+        s->stamp_nx = s->stamp_ny = s->stamps = 0;
+        one_exposure(&s->exposure, seed);
+    } else {
+        msg_deinit(&s->exposure, table_of_exposure());
+        msg_init(&s->exposure, table_of_exposure());
     }
-    if (separate)
-        drop_path(&s->path);
 }
 
 void fill_params(sheard_params *params, int method, uint64_t *seed) {

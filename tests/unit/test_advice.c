@@ -316,9 +316,9 @@ static void few_stamps_tell_no_gradient_and_no_shape(void **state) {
 }
 
 static void reasons_have_names(void **state) {
-    static const char *const names[] = {NULL,          "too_few_stamps", "no_weight",
-                                        "same_stamps", "no_signal",      "swapped",
-                                        "too_narrow",  "no_symmetry",    "not_finite"};
+    static const char *const names[] = {
+        NULL,      "too_few_stamps", "no_weight",   "same_stamps",  "no_signal",
+        "swapped", "too_narrow",     "no_symmetry", "mixed_frames", "not_finite"};
     (void)state;
     for (enum shear_no_shear why = SHEAR_HAS_SHEAR; why <= SHEAR_NOT_FINITE; why++) {
         const char *name = sheard_no_shear_name(why);

@@ -205,9 +205,10 @@ static void the_header_holds_all_settings(void **state) {
         shear_settings_format(&back, &table[i], is, sizeof is);
         assert_string_equal(was, is);
     }
-    static const char *const flags[SHEAR_N_FLAGS] = {"NF_GAL",   "NF_NOISE", "NF_MASK", "NF_EMPTY",
-                                                     "NF_PSF",   "NF_WGHT",  "NF_RGAL", "NF_OVER",
-                                                     "NF_ARTEF", "NF_NARTE"};
+    static const char *const flags[SHEAR_N_FLAGS] = {
+        "NF_GAL",   "NF_NOISE", "NF_MASK",  "NF_EMPTY", "NF_PSF",  "NF_WGHT",
+        "NF_RGAL",  "NF_OVER",  "NF_ARTEF", "NF_NARTE", "NF_EDGE", "NF_HOLE",
+        "NF_SATUR", "NF_NEIGH", "NF_NONOI", "NF_NOPOS"};
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
         int found = 0;
         int is = 0;

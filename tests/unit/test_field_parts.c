@@ -12,8 +12,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char *const extnames[SHEAR_N_PARTS] = {"GALAXY", "NOISE", "PSF", "CATALOG"};
-static const char *const others[SHEAR_N_PARTS] = {"SCI", "SKY", "KERNEL", "STARS"};
+/* The parts of a field file. The others are an exposure's. */
+enum { N_PARTS = SHEAR_PART_CATALOG + 1 };
+
+static const char *const extnames[N_PARTS] = {"GALAXY", "NOISE", "PSF", "CATALOG"};
+static const char *const others[N_PARTS] = {"SCI", "SKY", "KERNEL", "STARS"};
 
 /* ---- cutting ---- */
 
@@ -71,7 +74,7 @@ static void name_field(fitsfile *to) {
 
 /* The parts of the field file `whole`, each in a file of its own. */
 static void cut_each(const char *whole, int how, shear_input *input, char paths[][256]) {
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < N_PARTS; i++) {
         char name[32];
         snprintf(name, sizeof name, "part%d.fits", i);
         snprintf(paths[i], sizeof paths[i], "%s", fixture_path(name));
@@ -95,7 +98,7 @@ static void cut_one(const char *whole, int how, shear_input *input, char paths[]
     name_field(f);
     fixture_append(f, &(fixture_image){.name = "X", .bitpix = -32, .naxis = 2, .axes = {3, 3}},
                    pixels);
-    for (int i = SHEAR_N_PARTS - 1; i >= 0; i--) {
+    for (int i = N_PARTS - 1; i >= 0; i--) {
         const bool there = cut(whole, extnames[i], f, others[i]);
         number += there;
         input->parts[i].path = there ? paths[0] : NULL;
@@ -219,7 +222,7 @@ static void checksum(const shear_input *input, const int *fds, char sum[SHEAR_CH
 
 /* By paths, and by descriptors that know nothing of them. */
 static void check_cut(const char *whole, int how) {
-    char paths[SHEAR_N_PARTS][256];
+    char paths[N_PARTS][256];
     char by_path[SHEAR_CHECKSUM_SIZE];
     char by_fd[SHEAR_CHECKSUM_SIZE];
     int fds[SHEAR_N_PARTS];
@@ -235,7 +238,7 @@ static void check_cut(const char *whole, int how) {
     checksum(&input, NULL, by_path);
     open_fds(&input, fds);
     shear_input nameless = input;
-    for (int i = 0; i < SHEAR_N_PARTS; i++)
+    for (int i = 0; i < N_PARTS; i++)
         nameless.parts[i].path = input.parts[i].path != NULL ? "round.fits" : NULL;
     b = open_input(&nameless, fds);
     same_fields(a, b);
@@ -273,7 +276,7 @@ static void every_layout_every_cut(void **state) {
 /* A part may be packed in another way than the others. */
 static void packed_parts(void **state) {
     (void)state;
-    char paths[SHEAR_N_PARTS][256];
+    char paths[N_PARTS][256];
     char packed[256];
     const char *whole = strdup(fixture_path("round.fits"));
     fixture_write_good(whole);
@@ -295,7 +298,7 @@ static void packed_parts(void **state) {
  * dropped because the noise is elsewhere. */
 static void catalog_of_the_galaxies(void **state) {
     (void)state;
-    char paths[SHEAR_N_PARTS][256];
+    char paths[N_PARTS][256];
     const char *whole = strdup(fixture_path("round.fits"));
     shear_field_spec s = fixture_spec();
     s.columns = SHEAR_COL_FLAGS;
@@ -314,7 +317,7 @@ static void catalog_of_the_galaxies(void **state) {
 
 static void identity(void **state) {
     (void)state;
-    char paths[SHEAR_N_PARTS][256];
+    char paths[N_PARTS][256];
     char plain[SHEAR_CHECKSUM_SIZE];
     char sums[4][SHEAR_CHECKSUM_SIZE];
     const char *whole = strdup(fixture_path("round.fits"));
@@ -401,7 +404,7 @@ static shear_input good(char paths[][256]) {
 
 static void wrong_hdus(void **state) {
     (void)state;
-    char paths[SHEAR_N_PARTS][256];
+    char paths[N_PARTS][256];
     const shear_input fine = good(paths);
     shear_input input = fine;
     input.parts[SHEAR_PART_NOISE].extname = "SCI";
@@ -433,7 +436,7 @@ static void wrong_hdus(void **state) {
 
 static void parts_that_do_not_match(void **state) {
     (void)state;
-    char paths[SHEAR_N_PARTS][256];
+    char paths[N_PARTS][256];
     char other[256];
     const shear_input fine = good(paths);
     snprintf(other, sizeof other, "%s", fixture_path("other.fits"));
@@ -456,9 +459,9 @@ static void parts_that_do_not_match(void **state) {
 
 static void bad_files(void **state) {
     (void)state;
-    char paths[SHEAR_N_PARTS][256];
+    char paths[N_PARTS][256];
     const shear_input fine = good(paths);
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < N_PARTS; i++) {
         size_t size = 0;
         shear_input input = fine;
         input.parts[i].path = "/nowhere/absent.fits";
@@ -485,11 +488,11 @@ static void bad_files(void **state) {
 
 static void bad_descriptors(void **state) {
     (void)state;
-    char paths[SHEAR_N_PARTS][256];
+    char paths[N_PARTS][256];
     int fds[SHEAR_N_PARTS];
     const shear_input input = good(paths);
     open_fds(&input, fds);
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+    for (int i = 0; i < N_PARTS; i++) {
         int wrong[SHEAR_N_PARTS];
         memcpy(wrong, fds, sizeof wrong);
         wrong[i] = open(paths[i], O_WRONLY | O_CLOEXEC);
@@ -500,7 +503,7 @@ static void bad_descriptors(void **state) {
         refused(&input, wrong, SHEAR_E_IO, paths[i], "descriptor");
     }
     /* They are the caller's still, and where they were. */
-    for (int i = 0; i < SHEAR_N_PARTS; i++)
+    for (int i = 0; i < N_PARTS; i++)
         assert_int_equal(lseek(fds[i], 0, SEEK_CUR), 0);
     close_fds(fds);
 }
