@@ -162,7 +162,8 @@ static void many_stamps(void **state) {
     store_finished end;
     shear_field_sums *sums = NULL;
     char *text = NULL;
-    shear_block_sums block = {.n_stamps = MANY, .n_used = MANY};
+    shear_block_sums block = {
+        .n_stamps = MANY, .n_used = MANY, .framed = {[SHEAR_FRAME_PIXEL] = MANY}};
     FX_OK(shear_field_sums_new(&sums, &err));
     shear_field_sums_add(sums, &block);
     FX_OK(shear_field_sums_format(sums, &text, &err));
