@@ -7,6 +7,9 @@
 
 #include <math.h>
 
+/* Two columns of a group of rows at once: with one, sums would wait for the one before. */
+enum { WIDE = 2 * FFT_LANES };
+
 /* Radians per sample up to which the kernel's transform is approximated; it is 0 beyond. */
 static const double kernel_end = 2.0 * M_PI;
 
@@ -53,8 +56,8 @@ void psf_sky_scratch_place(psf_sky_scratch *s, int nx, int ny, arena *a) {
     s->image = arena_doubles(a, (size_t)nx * (size_t)ny);
     for (int i = 0; i < 4; i++)
         s->parity[i] = arena_doubles(a, halves);
-    s->x = arena_doubles(a, 2 * (size_t)half(nx) * FFT_LANES);
-    s->y = arena_doubles(a, 2 * (size_t)half(ny) * FFT_LANES);
+    s->x = arena_doubles(a, 2 * (size_t)half(nx) * WIDE);
+    s->y = arena_doubles(a, 2 * (size_t)half(ny) * WIDE);
 }
 
 /* Split the image into its parts of even and odd parity about its middle: element (x, y) is x or x
@@ -78,14 +81,14 @@ static void split_parities(const psf_sky_scratch *s, int nx, int ny, double scal
     }
 }
 
-/* FFT_LANES phases. */
+/* Phases of two columns. */
 typedef struct phases {
-    double cosine[FFT_LANES], sine[FFT_LANES];
+    double cosine[WIDE], sine[WIDE];
 } phases;
 
 static phases phases_of(const double *angle) {
     phases p;
-    for (int l = 0; l < FFT_LANES; l++) {
+    for (int l = 0; l < WIDE; l++) {
         p.cosine[l] = cos(angle[l]);
         p.sine[l] = sin(angle[l]);
     }
@@ -94,7 +97,7 @@ static phases phases_of(const double *angle) {
 
 static SHEAR_INLINE void turn(phases *p, const double *cosine, const double *sine) {
 #pragma omp simd
-    for (size_t l = 0; l < FFT_LANES; l++) {
+    for (size_t l = 0; l < WIDE; l++) {
         const double re = p->cosine[l] * cosine[l] - p->sine[l] * sine[l];
         p->sine[l] = p->sine[l] * cosine[l] + p->cosine[l] * sine[l];
         p->cosine[l] = re;
@@ -107,23 +110,23 @@ SHEAR_SIMD static void fill_waves(const phases *by_half, bool odd, size_t n, dou
     phases by_one = *by_half;
     phases now = *by_half;
     turn(&by_one, by_half->cosine, by_half->sine);
-    for (size_t l = 0; l < FFT_LANES && odd; l++) {
+    for (size_t l = 0; l < WIDE && odd; l++) {
         now.cosine[l] = 1.0;
         now.sine[l] = 0.0;
     }
     for (size_t i = 0; i < n; i++) {
 #pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
-            waves[2 * i * FFT_LANES + l] = now.cosine[l];
-            waves[(2 * i + 1) * FFT_LANES + l] = now.sine[l];
+        for (size_t l = 0; l < WIDE; l++) {
+            waves[2 * i * WIDE + l] = now.cosine[l];
+            waves[(2 * i + 1) * WIDE + l] = now.sine[l];
         }
         turn(&now, by_one.cosine, by_one.sine);
     }
 }
 
-/* A model's transform at FFT_LANES modes. */
+/* A model's transform at the modes of two columns. */
 typedef struct lane_sums {
-    double re[FFT_LANES], im[FFT_LANES];
+    double re[WIDE], im[WIDE];
 } lane_sums;
 
 /* W = sum p exp(-i (a + b)) with phases a along x and b along y:
@@ -132,27 +135,27 @@ typedef struct lane_sums {
 SHEAR_SIMD static void transform(const psf_sky_scratch *s, size_t nx, size_t ny, lane_sums *out) {
     lane_sums sum = {{0}, {0}};
     for (size_t y = 0; y < ny; y++) {
-        double even[FFT_LANES] = {0};
-        double odd_x[FFT_LANES] = {0};
-        double odd_y[FFT_LANES] = {0};
-        double odd[FFT_LANES] = {0};
+        double even[WIDE] = {0};
+        double odd_x[WIDE] = {0};
+        double odd_y[WIDE] = {0};
+        double odd[WIDE] = {0};
         for (size_t x = 0; x < nx; x++) {
-            const double *cosine = s->x + 2 * x * FFT_LANES;
-            const double *sine = cosine + FFT_LANES;
+            const double *cosine = s->x + 2 * x * WIDE;
+            const double *sine = cosine + WIDE;
             const double p[4] = {s->parity[EVEN][y * nx + x], s->parity[ODD_X][y * nx + x],
                                  s->parity[ODD_Y][y * nx + x], s->parity[ODD][y * nx + x]};
 #pragma omp simd
-            for (size_t l = 0; l < FFT_LANES; l++) {
+            for (size_t l = 0; l < WIDE; l++) {
                 even[l] += p[EVEN] * cosine[l];
                 odd_x[l] += p[ODD_X] * sine[l];
                 odd_y[l] += p[ODD_Y] * cosine[l];
                 odd[l] += p[ODD] * sine[l];
             }
         }
-        const double *cosine = s->y + 2 * y * FFT_LANES;
-        const double *sine = cosine + FFT_LANES;
+        const double *cosine = s->y + 2 * y * WIDE;
+        const double *sine = cosine + WIDE;
 #pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
+        for (size_t l = 0; l < WIDE; l++) {
             sum.re[l] += even[l] * cosine[l] - odd[l] * sine[l];
             sum.im[l] += odd_x[l] * cosine[l] + odd_y[l] * sine[l];
         }
@@ -163,24 +166,24 @@ SHEAR_SIMD static void transform(const psf_sky_scratch *s, size_t nx, size_t ny,
 /* Multiply by the kernel's transform at w radians per sample. */
 SHEAR_SIMD static void multiply_kernel(const double *kernel, int n, const double *w,
                                        lane_sums *sums) {
-    double x[FFT_LANES];
-    double last[FFT_LANES] = {0};
-    double before[FFT_LANES] = {0};
+    double x[WIDE];
+    double last[WIDE] = {0};
+    double before[WIDE] = {0};
 #pragma omp simd
-    for (size_t l = 0; l < FFT_LANES; l++) {
+    for (size_t l = 0; l < WIDE; l++) {
         const double part = fabs(w[l]) < kernel_end ? w[l] / kernel_end : 1.0;
         x[l] = 2.0 * part * part - 1.0;
     }
     for (int j = n - 1; j > 0; j--) {
 #pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
+        for (size_t l = 0; l < WIDE; l++) {
             const double next = kernel[j] + 2.0 * x[l] * last[l] - before[l];
             before[l] = last[l];
             last[l] = next;
         }
     }
 #pragma omp simd
-    for (size_t l = 0; l < FFT_LANES; l++) {
+    for (size_t l = 0; l < WIDE; l++) {
         const double value = kernel[0] + x[l] * last[l] - before[l];
         sums->re[l] *= value;
         sums->im[l] *= value;
@@ -193,22 +196,22 @@ typedef struct slope {
 } slope;
 
 static void angles(const slope *s, int jx, int first_jy, double factor, double *out) {
-    for (int l = 0; l < FFT_LANES; l++)
-        out[l] = factor * (s->by_x * jx + s->by_y * (first_jy + l));
+    for (int l = 0; l < WIDE; l++)
+        out[l] = factor * (s->by_x * (jx + l / FFT_LANES) + s->by_y * (first_jy + l % FFT_LANES));
 }
 
-/* The phases of half a sample along one axis, at FFT_LANES modes of column jx, and by how much they
- * turn from column to column. */
+/* The phases of half a sample along one axis, at the modes of columns jx and jx + 1, and by how
+ * much they turn from two columns to the next. */
 typedef struct turning {
     phases now, step;
 } turning;
 
 static turning turning_from(const slope *s, int jx, int first_jy) {
-    double angle[FFT_LANES];
-    double step[FFT_LANES];
+    double angle[WIDE];
+    double step[WIDE];
     angles(s, jx, first_jy, 0.5, angle);
-    for (int l = 0; l < FFT_LANES; l++)
-        step[l] = 0.5 * s->by_x;
+    for (int l = 0; l < WIDE; l++)
+        step[l] = s->by_x; /* two columns */
     return (turning){.now = phases_of(angle), .step = phases_of(step)};
 }
 
@@ -219,8 +222,8 @@ static void fill_group(const psf_sky *s, const psf_sky_scratch *scratch, const m
     const int first = group * FFT_LANES;
     turning along_u = turning_from(u, -last, first);
     turning along_v = turning_from(v, -last, first);
-    for (int jx = -last; jx <= last; jx++) {
-        double w[FFT_LANES];
+    for (int jx = -last; jx <= last; jx += 2) {
+        double w[WIDE];
         lane_sums sums;
         fill_waves(&along_u.now, m->nx % 2 != 0, (size_t)half(m->nx), scratch->x);
         fill_waves(&along_v.now, m->ny % 2 != 0, (size_t)half(m->ny), scratch->y);
@@ -231,9 +234,10 @@ static void fill_group(const psf_sky *s, const psf_sky_scratch *scratch, const m
             angles(v, jx, first, 1.0, w);
             multiply_kernel(s->kernel, s->n_kernel, w, &sums);
         }
-        double *column = power + mode_plane_column(p, jx) + first;
-        for (int l = 0; l < FFT_LANES; l++)
-            column[l] = sums.re[l] * sums.re[l] + sums.im[l] * sums.im[l];
+        for (int l = 0; l < WIDE && jx + l / FFT_LANES <= last; l++) {
+            power[mode_plane_column(p, jx + l / FFT_LANES) + (size_t)(first + l % FFT_LANES)] =
+                sums.re[l] * sums.re[l] + sums.im[l] * sums.im[l];
+        }
         turn(&along_u.now, along_u.step.cosine, along_u.step.sine);
         turn(&along_v.now, along_v.step.cosine, along_v.step.sine);
     }

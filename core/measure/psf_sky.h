@@ -21,7 +21,7 @@ void psf_sky_fill(psf_sky *s, const shear_psf_model *m);
 typedef struct psf_sky_scratch {
     double *image;     /* [ny][nx] the galaxy's samples */
     double *parity[4]; /* [ny/2][nx/2] their sums and differences over (+-x, +-y) */
-    double *x, *y;     /* [nx/2][cos, sin][FFT_LANES], the same of y */
+    double *x, *y;     /* [nx/2][cos, sin][2 FFT_LANES] of two columns, the same of y */
 } psf_sky_scratch;
 void psf_sky_scratch_place(psf_sky_scratch *s, int nx, int ny, arena *a);
 
