@@ -179,6 +179,14 @@ static void print_text(FILE *out, const char *name, const char *text) {
         text_line(out, name, "%s", text);
 }
 
+/* Print the options of an exposure that are given. */
+static void print_options(const shear_exposure *e, FILE *out) {
+    char number[24];
+    for (int i = 0; i < SHEAR_N_EXPOSURE_OPTIONS; i++)
+        print_text(out, shear_exposure_option(i),
+                   shear_exposure_get(e, shear_exposure_option(i), number));
+}
+
 static void print_source(const sheard_msg_job *job, FILE *out) {
     const shear_input input = sheard_source_input(&job->source);
     if (job->dropped_name != NULL) {
@@ -190,10 +198,13 @@ static void print_source(const sheard_msg_job *job, FILE *out) {
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         if (input.parts[i].path != NULL) {
             char text[4200];
-            text_line(out, shear_part_name(i), "%s",
+            const bool sources = shear_input_is_exposure(&input) && i == SHEAR_PART_CATALOG;
+            text_line(out, sources ? "sources" : shear_part_name(i), "%s",
                       image_text(&input.parts[i], text, sizeof text));
         }
     }
+    if (shear_input_is_exposure(&input))
+        print_options(&input.exposure, out);
 }
 
 static void print_failure(const sheard_msg_job *job, bool utc, FILE *out) {

@@ -92,25 +92,26 @@ void sheard_source_parts(sheard_msg_source *s, sheard_msg_image *parts[SHEAR_N_P
     parts[SHEAR_PART_WCS] = &e->wcs;
 }
 
-/* Write the path of a part's HDU in JSON. */
-static void hdu_parameter(char *buf, size_t size, int part, bool exposure) {
-    const char *name = !exposure                    ? shear_part_name(part)
-                       : part == SHEAR_PART_CATALOG ? "sources"
-                       : part == SHEAR_PART_NOISE   ? "noise_image"
-                                                    : shear_part_name(part);
-    snprintf(buf, size, "%s%s.hdu", exposure ? "exposure." : "", name);
+char *sheard_source_parameter(const sheard_msg_source *s, int part, const char *member, char *buf,
+                              size_t size) {
+    const bool exposure = is_exposure(s);
+    const char *name = exposure && part == SHEAR_PART_CATALOG ? "sources"
+                       : exposure && part == SHEAR_PART_NOISE ? "noise_image"
+                                                              : shear_part_name(part);
+    snprintf(buf, size, "%s%s.%s", exposure ? "exposure." : "", name, member);
+    return buf;
 }
 
 /* Check that each HDU is given by its number or by its name, not both. */
-static int check_choices(sheard_msg_image *const parts[SHEAR_N_PARTS], bool exposure,
+static int check_choices(const sheard_msg_source *s, sheard_msg_image *const parts[SHEAR_N_PARTS],
                          sheard_rpc_error *error) {
     char parameter[SHEARD_RPC_PARAMETER_SIZE];
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         if (parts[i]->hdu >= 0 && parts[i]->extname != NULL) {
-            hdu_parameter(parameter, sizeof parameter, i, exposure);
-            return sheard_rpc_fail_parameter(error, SHEARD_RPC_BAD_PARAMETER, parameter,
-                                             "give \"hdu\" or \"extname\"",
-                                             "contradicts 'extname'");
+            return sheard_rpc_fail_parameter(
+                error, SHEARD_RPC_BAD_PARAMETER,
+                sheard_source_parameter(s, i, "hdu", parameter, sizeof parameter),
+                "give \"hdu\" or \"extname\"", "contradicts 'extname'");
         }
     }
     return SHEARD_RPC_OK;
@@ -224,7 +225,7 @@ static int check_source(const void *message, sheard_rpc_error *error) {
     if (s.path != NULL)
         return SHEARD_RPC_OK;
     TRY(is_exposure(&s) ? check_exposure(&s.exposure, error) : check_images(parts, any, error));
-    return check_choices(parts, is_exposure(&s), error);
+    return check_choices(&s, parts, error);
 }
 MSG_TABLE(source, check_source);
 

@@ -26,6 +26,7 @@ set(names # one a line: whoever adds one does not get into another's way
   crash
   disk
   dropped
+  exposures
   faults
   floods
   hostile

@@ -54,8 +54,12 @@ static int put_clients(service *s, const submission *sub, const shear_settings *
     const int code = source_files_open(s, &sub->peer, &sub->submit->source, &files, &err);
     if (code != SHEAR_OK) {
         rpc_error_from_access(error, code, &err);
-        snprintf(error->parameter, sizeof error->parameter, "%s%spath",
-                 files.part >= 0 ? shear_part_name(files.part) : "", files.part >= 0 ? "." : "");
+        if (files.part >= 0) {
+            sheard_source_parameter(&sub->submit->source, files.part, "path", error->parameter,
+                                    sizeof error->parameter);
+        } else {
+            snprintf(error->parameter, sizeof error->parameter, "path");
+        }
         return error->code;
     }
     if (access_peer_groups_text(&sub->peer, &groups, &err) != SHEAR_OK)

@@ -144,6 +144,10 @@ typedef struct sheard_msg_source {
 
 /* Set parts[] to the source's files, by enum shear_part. */
 void sheard_source_parts(sheard_msg_source *source, sheard_msg_image *parts[SHEAR_N_PARTS]);
+/* Write the path in JSON of a member of part `part`: "galaxy.hdu", "exposure.sources.path". Return
+ * buf. */
+char *sheard_source_parameter(const sheard_msg_source *source, int part, const char *member,
+                              char *buf, size_t size);
 /* Convert to the library's struct. The strings stay the source's. */
 shear_input sheard_source_input(const sheard_msg_source *source);
 /* Set the source to this input. The strings stay the input's. */
