@@ -118,6 +118,36 @@ static int match_chip(const opening *o, int chip, int *table, int *model, shear_
     return chip_match(&models, chip, e->n_chips, name, model, err);
 }
 
+static const char *noise_name(const void *self, int i) {
+    return exposure_images_name(self, i);
+}
+
+/* Find the noise image of a chip, which must be of the chip's size. */
+static int match_noise(const opening *o, int chip, shear_error *err) {
+    const exposure *e = o->e;
+    exposure_chip *c = &e->chips[chip];
+    if (e->noise_images == NULL)
+        return SHEAR_OK;
+    const chip_items images = {.what = "images of noise",
+                               .file = part_of(o, SHEAR_PART_NOISE)->path,
+                               .n = exposure_images_chips(e->noise_images),
+                               .name = noise_name,
+                               .self = e->noise_images};
+    const char *name = exposure_images_name(e->images, chip);
+    int size[2];
+    int noise[2];
+    TRY(chip_match(&images, chip, e->n_chips, name, &c->noise, err));
+    exposure_images_size(e->images, chip, &size[0], &size[1]);
+    exposure_images_size(e->noise_images, c->noise, &noise[0], &noise[1]);
+    if (noise[0] == size[0] && noise[1] == size[1])
+        return SHEAR_OK;
+    return shear_fail(err, SHEAR_E_FORMAT, "both must be of the same exposure, and trimmed alike",
+                      "file '%s': the noise image of chip %d (%s) has %d x %d pixels, but the "
+                      "image has %d x %d",
+                      images.file, chip + 1, name[0] != '\0' ? name : "no EXTNAME", noise[0],
+                      noise[1], size[0], size[1]);
+}
+
 CLEANUP_DEFINE(sky_map, sky_map_free)
 
 /* A single catalog of several chips says by RA and Dec which source is on which. */
@@ -174,6 +204,7 @@ static int open_chip(opening *o, int chip, shear_error *err) {
                       .model = c->model,
                       .only_inside = shared};
     exposure_images_size(e->images, chip, &in.nx, &in.ny);
+    TRY(match_noise(o, chip, err));
     TRY(chip_stamps_init(&c->stamps, &in, err));
     c->first = e->base.info.n_stamps;
     e->base.info.n_stamps += c->stamps.n;

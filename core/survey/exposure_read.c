@@ -54,7 +54,7 @@ int exposure_hold(exposure *e, int chip, shear_error *err) {
     exposure_images_size(e->images, chip, &options.nx, &options.ny);
     TRY(chip_pixels_open(&h->pixels, e->images, chip, s->shapes, s->n_shapes, err));
     if (e->noise_images != NULL)
-        TRY(chip_pixels_open(&h->noise, e->noise_images, chip, NULL, 0, err));
+        TRY(chip_pixels_open(&h->noise, e->noise_images, e->chips[chip].noise, NULL, 0, err));
     TRY(cutter_new(&h->cutter, h->pixels, h->noise, &options, err));
     h->chip = chip;
     return SHEAR_OK;

@@ -13,6 +13,7 @@ typedef struct exposure_chip {
     int table;     /* of the catalog */
     int model;     /* of the PSF */
     bool mapped;   /* there is a map to the sky */
+    int noise;     /* number of its noise image */
 } exposure_chip;
 
 /* The chip whose pixels are held. */

@@ -112,8 +112,8 @@ static void blank_values(void **state) {
 
 static void weights(void **state) {
     (void)state;
-    static const double w[] = {4.0,  0.0,    -1.0,   NAN,  INFINITY, -INFINITY, 1e-300,
-                               1e30, 0.0625, 1e-290, 1e29, 3e30,     1e300,     -0.0};
+    static const double w[] = {4.0,    0.0,    -1.0, NAN,  INFINITY, -INFINITY, 1e-300,       1e30,
+                               0.0625, 1e-290, 1e29, 3e30, 1e300,    -0.0,      (double)1e15F};
     enum { CASES = sizeof w / sizeof w[0] };
     double pixels[N];
     for (int i = 0; i < N; i++)
@@ -129,7 +129,7 @@ static void weights(void **state) {
             double sigma = kind == SHEAR_WEIGHT_IS_RMS        ? v
                            : kind == SHEAR_WEIGHT_IS_VARIANCE ? sqrt(v)
                                                               : 1.0 / sqrt(v);
-            const bool good = v > 0.0 && isfinite(v) && sigma < 1e15 && sigma > FLT_MIN;
+            const bool good = v > 0.0 && isfinite(v) && sigma < (double)1e15F && sigma > FLT_MIN;
             assert_int_equal(a.defect[i], good ? 0 : PIXEL_BAD);
             assert_true(good ? a.sigma[i] == (float)sigma : isnan(a.sigma[i]));
         }

@@ -18,10 +18,10 @@ SHEAR_SIMD void defects_of_values(const double *restrict value, size_t n, double
     }
 }
 
-/* SExtractor takes a variance of 1e30 or more for a bad pixel; below the other limit a standard
- * deviation is not a normal float. */
+/* SExtractor takes a variance of 1e30 or more for a bad pixel; that is a standard deviation of
+ * 1e15, as a float is nearest to it. Below the other limit one is not a normal float. */
 static const double least_sigma = FLT_MIN;
-static const double most_sigma = 1e15;
+static const double most_sigma = (double)1e15F;
 
 /* Store sigma, or NaN and a defect if it cannot be one. */
 static SHEAR_INLINE void store(double s, float *sigma, uint8_t *defect) {
