@@ -16,8 +16,8 @@ static int read_keyword(const char *key, const char *cards, int64_t count, const
             return SHEAR_OK;
     }
     return shear_fail(err, SHEAR_E_FORMAT, "make the PSF model without it, or add the keyword",
-                      "file '%s': has no number %s in its header, on which the PSF model depends",
-                      where, key);
+                      "%s: has no number %s in its header, on which the PSF model depends", where,
+                      key);
 }
 
 int contexts_init(contexts *c, const char *const *names, int n, const char *cards, int64_t count,

@@ -15,8 +15,8 @@ typedef struct contexts {
     int n_columns;
 } contexts;
 
-/* Sort the names, and read those of keywords from the header [count][80] of the file `where`.
- * SHEAR_E_FORMAT: a keyword is not there. */
+/* Sort the names, and read those of keywords from the header [count][80]; `where` names its file
+ * and HDU in messages. SHEAR_E_FORMAT: a keyword is not there. */
 int contexts_init(contexts *c, const char *const *names, int n, const char *cards, int64_t count,
                   const char *where, shear_error *err);
 /* Fill out[c->n] for a row of the catalog, whose contexts are c->columns. */

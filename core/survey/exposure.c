@@ -4,17 +4,19 @@
 
 #include "base/cleanup.h"
 #include "base/sort.h"
+#include "base/text.h"
 #include "common/release.h"
 #include "fits/field/name.h"
 #include "survey/chip_match.h"
 #include "survey/internal.h"
+#include "survey/no_stamps.h"
 #include "survey/wcs/head_file.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFAULT_STAMP = 64 };
+enum { DEFAULT_STAMP = 64, PLACE_SIZE = 4200 };
 
 /* What is needed only while an exposure is opened. */
 typedef struct opening {
@@ -23,6 +25,7 @@ typedef struct opening {
     const int *fds;
     source_catalog *catalog;
     head_file head;
+    source_count sources;
 } opening;
 
 static void opening_deinit(opening *o) {
@@ -74,22 +77,39 @@ static int open_files(opening *o, shear_error *err) {
     return e->options.noise == SHEAR_NOISE_IMAGE ? open_noise(o, err) : SHEAR_OK;
 }
 
+/* Write which HDU has a chip's header, for messages. Return buf. */
+static const char *header_place(const opening *o, int chip, char *buf, size_t size) {
+    const char *name = exposure_images_name(o->e->images, chip);
+    *buf = '\0';
+    if (name[0] != '\0') {
+        text_append(buf, size, "file '%s', HDU %s", part_of(o, SHEAR_PART_IMAGE)->path, name);
+    } else {
+        text_append(buf, size, "file '%s', HDU %lld", part_of(o, SHEAR_PART_IMAGE)->path,
+                    (long long)exposure_images_hdu(o->e->images, chip, SHEAR_PART_IMAGE));
+    }
+    return buf;
+}
+
 /* Make the sky map of a chip, by the header of its image or that of the .head file. */
 static int map_chip(const opening *o, int chip, sky_map **map, shear_error *err) {
     int64_t count = 0;
+    char where[PLACE_SIZE];
     const char *cards = exposure_images_header(o->e->images, chip, &count);
-    const char *image = part_of(o, SHEAR_PART_IMAGE)->path;
     if (o->head.n == 0)
-        return sky_map_new(map, cards, count, image, err);
+        return sky_map_new(map, cards, count, header_place(o, chip, where, sizeof where), err);
     if (o->head.n != 1 && o->head.n != o->e->n_chips) {
         return shear_fail(err, SHEAR_E_FORMAT, "give a block of cards, ended by END, for each chip",
                           "file '%s': has %d blocks for %d chips", part_of(o, SHEAR_PART_WCS)->path,
                           o->head.n, o->e->n_chips);
     }
-    CLEANUP(release_free)
-    char *merged = head_file_merge(&o->head, o->head.n == 1 ? 0 : chip, cards, &count);
-    return merged != NULL ? sky_map_new(map, merged, count, part_of(o, SHEAR_PART_WCS)->path, err)
-                          : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a header");
+    const int block = o->head.n == 1 ? 0 : chip;
+    CLEANUP(release_free) char *merged = head_file_merge(&o->head, block, cards, &count);
+    if (merged == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a header");
+    where[0] = '\0';
+    text_append(where, sizeof where, "file '%s', block %d", part_of(o, SHEAR_PART_WCS)->path,
+                block + 1);
+    return sky_map_new(map, merged, count, where, err);
 }
 
 static const char *table_name(const void *self, int i) {
@@ -137,6 +157,14 @@ static int match_noise(const opening *o, int chip, shear_error *err) {
     int size[2];
     int noise[2];
     TRY(chip_match(&images, chip, e->n_chips, name, &c->noise, err));
+    if (strcmp(images.file, part_of(o, SHEAR_PART_IMAGE)->path) == 0 &&
+        exposure_images_hdu(e->noise_images, c->noise, SHEAR_PART_IMAGE) ==
+            exposure_images_hdu(e->images, chip, SHEAR_PART_IMAGE)) {
+        return shear_fail(
+            err, SHEAR_E_FORMAT,
+            "give an image of noise alone, or --noise near for empty sky of the image",
+            "file '%s': is given both as image and as noise", images.file);
+    }
     exposure_images_size(e->images, chip, &size[0], &size[1]);
     exposure_images_size(e->noise_images, c->noise, &noise[0], &noise[1]);
     if (noise[0] == size[0] && noise[1] == size[1])
@@ -179,7 +207,9 @@ static int find_contexts(const opening *o, int chip, contexts *c, shear_error *e
     const exposure *e = o->e;
     const int n = psf_models_contexts(e->psf, e->chips[chip].model, &names);
     const char *cards = exposure_images_header(e->images, chip, &count);
-    return contexts_init(c, names, n, cards, count, part_of(o, SHEAR_PART_IMAGE)->path, err);
+    char where[PLACE_SIZE];
+    return contexts_init(c, names, n, cards, count, header_place(o, chip, where, sizeof where),
+                         err);
 }
 
 static int open_chip(opening *o, int chip, shear_error *err) {
@@ -197,6 +227,7 @@ static int open_chip(opening *o, int chip, shear_error *err) {
     TRY(check_positions(o, &sources, map, shared, err));
     if (shared)
         forget_pixels(&sources);
+    source_count_add(&o->sources, &sources, shared);
     chip_inputs in = {.sources = &sources,
                       .map = map,
                       .psf = e->psf,
@@ -282,11 +313,7 @@ static int open_chips(opening *o, shear_error *err) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d chips", e->n_chips);
     for (int i = 0; i < e->n_chips; i++)
         TRY(open_chip(o, i, err));
-    if (e->base.info.n_stamps == 0) {
-        return shear_fail(err, SHEAR_E_FORMAT,
-                          "look at the catalog's FLAGS and at --select: which sources remain?",
-                          "file '%s': no source is selected", part_of(o, SHEAR_PART_CATALOG)->path);
-    }
+    TRY(no_stamps_check(e, &o->sources, part_of(o, SHEAR_PART_CATALOG)->path, err));
     TRY(find_scale(e, err));
     return choose_frame(e, image, err);
 }

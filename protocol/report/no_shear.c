@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/no_shear.h"
 
+#include "base/text.h"
 #include "report/advice_say.h"
 #include "shear/symmetry.h"
 
@@ -76,6 +77,55 @@ const char *sheard_no_shear_brief(const shear_result *r) {
                         : sheard_no_shear_words(r->why);
 }
 
+/* ---- why all stamps are left out ---- */
+
+/* What to do where most stamps have a flag of exposures. */
+static const struct {
+    unsigned flag;
+    const char *advice;
+} cures[] = {
+    {SHEAR_FLAG_EDGE, "make --stamp smaller: chips must be larger than stamps and their frame of 8 "
+                      "px"},
+    {SHEAR_FLAG_HOLE, "does the mask mean this (--mask-bad), and is the weight map of this kind "
+                      "(--weight-kind)?"},
+    {SHEAR_FLAG_SATURATED, "is the image's keyword SATURATE right?"},
+    {SHEAR_FLAG_NEIGHBOUR, "is the segmentation that of the image, and are the catalog's ellipses "
+                           "in pixels?"},
+    {SHEAR_FLAG_NO_NOISE, "make --stamp smaller, or give --noise white or an image of noise"},
+    {SHEAR_FLAG_NO_POSITION, "is it the catalog of this exposure, with the right --columns and "
+                             "coordinates?"},
+};
+enum { N_CURES = sizeof cures / sizeof cures[0] };
+
+/* Return the bit of the flag that most stamps have; -1: none has any. */
+static int commonest_flag(const shear_result *r) {
+    int found = -1;
+    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+        if (r->flagged[bit] > (found >= 0 ? r->flagged[found] : 0))
+            found = bit;
+    }
+    return found;
+}
+
+static const char *cure_of(const shear_result *r) {
+    const int bit = commonest_flag(r);
+    for (int i = 0; i < N_CURES && bit >= 0 && r->why == SHEAR_NO_STAMPS; i++) {
+        if (cures[i].flag == 1u << bit)
+            return cures[i].advice;
+    }
+    return reason_of(r->why)->advice;
+}
+
+static void say_too_few(const shear_result *r, char *buf, size_t size) {
+    const int bit = commonest_flag(r);
+    snprintf(buf, size, "%" PRId64 " of %" PRId64 " stamps are usable%s", r->n_used, r->n_stamps,
+             r->n_used == 1 ? ", and one stamp has no error" : "");
+    if (bit >= 0) {
+        text_append(buf, size, " (%" PRId64 " have the flag %s)", r->flagged[bit],
+                    shear_flag_name(bit));
+    }
+}
+
 const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size) {
     const char *words = reason_of(r->why)->words;
     if (is_spoilt(r)) {
@@ -83,8 +133,7 @@ const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size) 
                  "stamp %" PRId64 " outweighs all others together: the sum of w D is %.3g",
                  r->top_stamp, r->sum_d);
     } else if (r->why == SHEAR_NO_STAMPS) {
-        snprintf(buf, size, "%" PRId64 " of %" PRId64 " stamps are usable%s", r->n_used,
-                 r->n_stamps, r->n_used == 1 ? ", and one stamp has no error" : "");
+        say_too_few(r, buf, size);
     } else if (r->why == SHEAR_NO_SYMMETRY && r->n_used < SHEAR_SYMMETRY_FEWEST) {
         snprintf(buf, size, "%" PRId64 " usable stamps are too few for their symmetry", r->n_used);
     } else if (r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED || r->why == SHEAR_TOO_NARROW) {
@@ -96,7 +145,7 @@ const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size) 
 }
 
 const char *sheard_no_shear_advice(const shear_result *r, char *buf, size_t size) {
-    const char *advice = reason_of(r->why)->advice;
+    const char *advice = cure_of(r);
     if (is_spoilt(r)) {
         return advice_say(buf, size,
                           "look at it (shearctl plot --stamp %" PRId64

@@ -90,7 +90,7 @@ static int look_inside(sf_source *s, shear_error *err) {
         s->fd = unpacked;
         s->gzipped = true;
     } else if (!sf_is_fits(head, n)) {
-        return sf_fail(err, SHEAR_E_FORMAT, at, "field files are FITS, or FITS packed with gzip",
+        return sf_fail(err, SHEAR_E_FORMAT, at, "it must be FITS, or FITS packed with gzip",
                        "not a FITS file: it does not begin with 'SIMPLE  ='");
     }
     return SHEAR_OK;

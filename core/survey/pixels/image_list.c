@@ -163,10 +163,11 @@ int image_list_choose(image_list *list, const sf_file *file, const shear_input_p
         return keep_hdu(list, file, chosen->hdu, err);
     const bool empty = list->n == 0;
     keep_part(list, count_part(list, part) > 0 ? part : SHEAR_PART_IMAGE);
-    return list->n > 0
-               ? SHEAR_OK
-               : sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, NULL},
-                         empty ? NULL : "choose an HDU: FILE:HDU, by number from 0 or by EXTNAME",
-                         "has no HDU with a 2-D image that could be the %s",
-                         shear_part_name((int)part));
+    return list->n > 0 ? SHEAR_OK
+                       : sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, NULL},
+                                 empty ? "see which file is which: images have two axes"
+                                       : "choose an HDU: FILE:HDU, by number from 0 or by EXTNAME",
+                                 empty ? "has no 2-D image: it cannot be the %s"
+                                       : "none of its 2-D images can be the %s",
+                                 shear_part_name((int)part));
 }
