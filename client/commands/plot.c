@@ -16,6 +16,7 @@ typedef struct plot_command {
     const char *path; /* of the file that gives the picture its name */
     shear_input input;
     part_options parts;
+    const char *stamp_size;
     const char *out; /* NULL: derived from the input's name */
     bool force;
     bool stamps_given; /* valid only for a field file, like settings */
@@ -25,41 +26,45 @@ typedef struct plot_command {
 
 CLEANUP_DEFINE(shear_catalog_table, shear_catalog_table_free)
 
-/* The side of an exposure's stamps: --stamp chooses one of them here. */
-static enum exit_code set_stamp_size(const option_entry *entry, const char *value) {
-    const option_entry size = {.name = "stamp", .context = entry->context};
-    return part_options_set(&size, value);
+/* Set --stamp-size, which is also the side of an exposure's stamps: --stamp chooses one here. */
+static enum exit_code set_stamp_size(plot_command *c) {
+    const bool exposure = c->parts.given[SHEAR_PART_IMAGE] != NULL;
+    const option_entry size = {.name = exposure ? "stamp" : "stamp-size", .context = &c->parts};
+    if (c->stamp_size == NULL)
+        return EXIT_CODE_DONE;
+    return exposure ? part_options_set(&size, c->stamp_size)
+                    : part_options_set_size(&size, c->stamp_size);
 }
 
 static enum exit_code parse(const command *self, int argc, char **argv, plot_command *c) {
     /* Of options with one name the first counts. */
-    const option_entry options[] = {
-        {.name = "output", .letter = 'o', .text = &c->out},
-        {.name = "stamp",
-         .integer = &c->options.stamp,
-         .max = INT64_MAX,
-         .given = &c->stamps_given},
-        {.name = "stamps",
-         .integer = &c->options.n_stamps,
-         .min = 1,
-         .max = PLOT_MAX_STAMPS,
-         .given = &c->stamps_given},
-        {.name = "stamp-size", .set = set_stamp_size, .context = &c->parts},
-        {.name = "chip", .text = &c->options.chip},
-        {.name = "force", .flag = &c->force},
-        PART_OPTIONS(&c->parts),
-        EXPOSURE_OPTIONS(&c->parts),
-        {0}};
+    const option_entry options[] = {{.name = "output", .letter = 'o', .text = &c->out},
+                                    {.name = "stamp",
+                                     .integer = &c->options.stamp,
+                                     .max = INT64_MAX,
+                                     .given = &c->stamps_given},
+                                    {.name = "stamps",
+                                     .integer = &c->options.n_stamps,
+                                     .min = 1,
+                                     .max = PLOT_MAX_STAMPS,
+                                     .given = &c->stamps_given},
+                                    {.name = "stamp-size", .text = &c->stamp_size},
+                                    {.name = "chip", .text = &c->options.chip},
+                                    {.name = "force", .flag = &c->force},
+                                    PART_OPTIONS(&c->parts),
+                                    EXPOSURE_OPTIONS(&c->parts),
+                                    {0}};
     TRY(options_parse(self, argc, argv, options, &c->settings));
     TRY(options_check_settings(&c->settings));
     c->options.settings = &c->settings.values;
     if (argc - optind > 1 || (argc == optind && !part_options_any(&c->parts)))
         return options_fail(self, "expected one file, got %d", argc - optind);
     TRY(part_options_settle(&c->parts, self, argv + optind, argc - optind));
-    if (c->options.chip != NULL && (c->parts.given[SHEAR_PART_IMAGE] == NULL || c->stamps_given))
-        return options_fail(self,
-                            "--chip shows a chip of an exposure: give --image, and no stamps");
-    return EXIT_CODE_DONE;
+    TRY(set_stamp_size(c));
+    const bool exposure = c->parts.given[SHEAR_PART_IMAGE] != NULL;
+    return c->options.chip != NULL && (!exposure || c->stamps_given)
+               ? options_fail(self, "--chip shows a chip of an exposure: give --image, no stamps")
+               : EXIT_CODE_DONE;
 }
 
 static bool are_settings_given(const option_settings *s) {
@@ -175,6 +180,7 @@ static enum exit_code run(const command *self, int argc, char **argv) {
     shear_error err = {0};
     TRY(parse(self, argc, argv, &c));
     c.input = shear_input_of_file(argv[optind]);
+    c.input.mosaic = c.parts.mosaic;
     if (part_options_any(&c.parts)) {
         if (part_input_init(&parts, &c.parts, false, &err) != SHEAR_OK)
             return message_error(&err);

@@ -132,7 +132,8 @@ static enum exit_code run(const command *self, int argc, char **argv) {
         return validate_parts(&o);
     int n_good = 0;
     for (int i = optind; i < argc; i++) {
-        const shear_input input = shear_input_of_file(argv[i]);
+        shear_input input = shear_input_of_file(argv[i]);
+        input.mosaic = o.parts.mosaic;
         bool good = false;
         TRY(validate(&input, &o, &good));
         n_good += good;

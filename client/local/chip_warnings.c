@@ -122,15 +122,15 @@ void chip_scan_warn(const sheard_validation_report *v, const shear_input *input,
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
         char line[LINE];
         char other[LINE];
-        const sheard_chip_report *first = NULL;
+        int first = -1;
         int n = 0;
         for (int i = 0; i < v->n_chips; i++) {
-            if (kinds[k](&v->chips[i], &c, first == NULL ? line : other) != NULL) {
-                first = first == NULL ? &v->chips[i] : first;
+            if (kinds[k](&v->chips[i], &c, n == 0 ? line : other) != NULL) {
+                first = n == 0 ? i : first;
                 n++;
             }
         }
-        if (first != NULL)
-            add(w, first, n, v->n_chips, line);
+        if (n > 0)
+            add(w, &v->chips[first], n, v->n_chips, line);
     }
 }

@@ -102,12 +102,16 @@ bool shear_centring_find(const shear_stamps *stamps, int i, double x, double y, 
 
 /* Return the median, and its error. Sorts the values, and leaves their deviations. */
 static double median_of(double *v, int64_t n, double *err) {
+    *err = NAN;
+    if (n == 0)
+        return NAN;
     sort_doubles(v, (size_t)n);
-    const double median = n > 0 ? 0.5 * (v[(n - 1) / 2] + v[n / 2]) : NAN;
+    const double median = 0.5 * (v[(n - 1) / 2] + v[n / 2]);
     for (int64_t i = 0; i < n; i++)
         v[i] = fabs(v[i] - median);
     sort_doubles(v, (size_t)n);
-    *err = n > 1 ? of_median * v[n / 2] / sqrt((double)n) : NAN;
+    if (n > 1)
+        *err = of_median * v[n / 2] / sqrt((double)n);
     return median;
 }
 

@@ -51,10 +51,11 @@ int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shea
                          .psf_terms = psf_models_get(e->psf, c->model)->terms,
                          .psf_stars = stars > 0 ? stars : -1};
     exposure_images_size(e->images, i, &chip->nx, &chip->ny);
-    for (int part = 0; part < SHEAR_N_PARTS; part++)
+    for (int part = 0; part < SHEAR_N_PARTS; part++) {
         chip->hdu[part] = part >= SHEAR_PART_IMAGE && part <= SHEAR_PART_SEGMENTATION
                               ? exposure_images_hdu(e->images, i, (enum shear_part)part)
                               : -1;
+    }
     return SHEAR_OK;
 }
 
@@ -86,26 +87,6 @@ int shear_chip_find(shear_field *field, int64_t stamp, shear_chip_place *place, 
 
 /* ---- the PSF ---- */
 
-/* Return the covariance of a Gaussian PSF whose power has the covariance k[3]: |W|^2 is the
- * exponential of -k^T C k. */
-static void invert_half(double k[3]) {
-    const double det = 2.0 * (k[0] * k[2] - k[1] * k[1]);
-    const double c[3] = {k[2] / det, -k[1] / det, k[0] / det};
-    for (int i = 0; i < 3; i++)
-        k[i] = c[i];
-}
-
-/* Carry a covariance along u and v to pixels: J^-1 C J^-T. */
-static void sky_to_pixels(double c[3], const double j[4]) {
-    const double det = j[0] * j[3] - j[1] * j[2];
-    const double a[4] = {j[3] / det, -j[1] / det, -j[2] / det, j[0] / det};
-    const double u[2] = {a[0] * c[0] + a[1] * c[1], a[0] * c[1] + a[1] * c[2]};
-    const double v[2] = {a[2] * c[0] + a[3] * c[1], a[2] * c[1] + a[3] * c[2]};
-    c[0] = u[0] * a[0] + u[1] * a[1];
-    c[1] = u[0] * a[2] + u[1] * a[3];
-    c[2] = v[0] * a[2] + v[1] * a[3];
-}
-
 /* Convert from square samples to square pixels. */
 static void scale_moments(double c[3], const shear_psf_model *m, const double jacobian[4]) {
     const double turn = 2.0 * acos(-1.0);
@@ -116,9 +97,9 @@ static void scale_moments(double c[3], const shear_psf_model *m, const double ja
     c[1] *= x * y;
     c[2] *= y * y;
     if (modes) {
-        invert_half(c);
+        second_moments_of_power(c);
     } else if (m->axes == SHEAR_PSF_AXES_SKY) {
-        sky_to_pixels(c, jacobian);
+        second_moments_to_pixels(c, jacobian);
     }
 }
 

@@ -34,10 +34,12 @@ static double chip_r_psf(const exposure *e, int chip) {
         }
     }
     const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
-    return nearest >= 0 && shear_psf_model_radius(m, s->psf_terms + nearest * s->terms, scale, &r,
-                                                  NULL) == SHEAR_OK
-               ? r
-               : 1.5; /* no stamp of this chip can be measured */
+    const int code =
+        nearest >= 0 ? shear_psf_model_radius(m, s->psf_terms + nearest * s->terms, scale, &r, NULL)
+                     : SHEAR_E_PSF;
+    return code == SHEAR_OK        ? r
+           : code == SHEAR_E_NOMEM ? NAN
+                                   : 1.5; /* no stamp of this chip can be measured */
 }
 
 int exposure_hold(exposure *e, int chip, shear_error *err) {
@@ -51,6 +53,8 @@ int exposure_hold(exposure *e, int chip, shear_error *err) {
                               .noise = e->options.noise,
                               .chip = chip,
                               .r_psf_px = chip_r_psf(e, chip)};
+    if (isnan(options.r_psf_px))
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF");
     exposure_images_size(e->images, chip, &options.nx, &options.ny);
     TRY(chip_pixels_open(&h->pixels, e->images, chip, s->shapes, s->n_shapes, err));
     if (e->noise_images != NULL)

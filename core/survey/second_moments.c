@@ -68,7 +68,7 @@ static double step(weight *w, const double *image, int nx, int ny) {
     const double c[3] = {2.0 * (s.xx / s.v - x * x), 2.0 * (s.xy / s.v - x * y),
                          2.0 * (s.yy / s.v - y * y)};
     const double trace = c[0] + c[2];
-    const double limit = (double)nx * nx + (double)ny * ny;
+    const double limit = ((double)nx * nx + (double)ny * ny) / 12.0; /* that of a flat image */
     if (!(s.v > 0.0) || !(c[0] * c[2] - c[1] * c[1] > 1e-6 * trace * trace) || !(c[0] > 0.0) ||
         !(trace < limit)) {
         return -1.0;
@@ -84,11 +84,29 @@ static double step(weight *w, const double *image, int nx, int ny) {
 }
 
 bool second_moments(const double *image, int nx, int ny, double cov[3]) {
-    weight w;
+    weight w = {0};
     double change = begin(&w, image, nx, ny) ? INFINITY : -1.0;
     for (int i = 0; i < MAX_STEPS && change > converged; i++)
         change = step(&w, image, nx, ny);
+    const bool good = change >= 0.0 && change <= converged;
     for (int k = 0; k < 3; k++)
-        cov[k] = change >= 0.0 ? w.c[k] : NAN;
-    return change >= 0.0;
+        cov[k] = good ? w.c[k] : NAN;
+    return good;
+}
+
+void second_moments_of_power(double k[3]) {
+    const double det = 2.0 * (k[0] * k[2] - k[1] * k[1]);
+    const double c[3] = {k[2] / det, -k[1] / det, k[0] / det};
+    for (int i = 0; i < 3; i++)
+        k[i] = c[i];
+}
+
+void second_moments_to_pixels(double c[3], const double j[4]) {
+    const double det = j[0] * j[3] - j[1] * j[2];
+    const double a[4] = {j[3] / det, -j[1] / det, -j[2] / det, j[0] / det};
+    const double u[2] = {a[0] * c[0] + a[1] * c[1], a[0] * c[1] + a[1] * c[2]};
+    const double v[2] = {a[2] * c[0] + a[3] * c[1], a[2] * c[1] + a[3] * c[2]};
+    c[0] = u[0] * a[0] + u[1] * a[1];
+    c[1] = u[0] * a[2] + u[1] * a[3];
+    c[2] = v[0] * a[2] + v[1] * a[3];
 }
