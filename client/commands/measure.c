@@ -116,8 +116,10 @@ static enum exit_code measure_inputs(measure_input *inputs, size_t n, const meas
         code = catalog_paths_resolve(inputs, n, o->catalog, o->force);
     if (code == EXIT_CODE_DONE)
         code = measure_groups(inputs, n, o);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         free(inputs[i].catalog);
+        warnings_deinit(&inputs[i].warnings);
+    }
     return code;
 }
 

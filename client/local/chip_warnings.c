@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Warn of what is doubtful on the chips of an exposure, in words. */
 #include "local/chip_scan.h"
+#include "local/psf_size.h"
 
 #include "sheard/advice.h"
 
@@ -87,6 +88,11 @@ static const char *of_stars(const sheard_chip_report *r, const context *c, char 
     return line;
 }
 
+static const char *of_psf_size(const sheard_chip_report *r, const context *c, char *line) {
+    (void)c;
+    return psf_size_warning(&r->chip, line, LINE);
+}
+
 static const char *of_wcs(const sheard_chip_report *r, const context *c, char *line) {
     if (r->chip.has_wcs || c->input->exposure.frame != 0)
         return NULL;
@@ -116,8 +122,8 @@ static void add(warning_list *w, const sheard_chip_report *r, int n, int chips, 
 }
 
 void chip_scan_warn(const sheard_validation_report *v, const shear_input *input, warning_list *w) {
-    static chip_warning *const kinds[] = {of_positions, of_catalog, of_noise,
-                                          of_mask,      of_stars,   of_wcs};
+    static chip_warning *const kinds[] = {of_positions, of_catalog,  of_noise, of_mask,
+                                          of_stars,     of_psf_size, of_wcs};
     const context c = {v, input};
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
         char line[LINE];

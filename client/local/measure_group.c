@@ -239,6 +239,10 @@ static void add_warnings(measure_group *g) {
     for (size_t i = 0; i < advice.n; i++)
         warnings_add(&g->warnings, "%s", advice.lines[i]);
     warn_of_other_psfs(g);
+    for (size_t i = 0; i < g->n; i++) {
+        for (size_t k = 0; k < g->inputs[i]->warnings.n; k++)
+            warnings_add(&g->warnings, "%s", g->inputs[i]->warnings.text[k]);
+    }
     if (g->n_measured < g->n) {
         warnings_add(&g->warnings, "%zu of %zu files failed and are not in this result",
                      g->n - g->n_measured, g->n);

@@ -2,6 +2,7 @@
 #include "local/measure_input.h"
 
 #include "base/cleanup.h"
+#include "local/psf_size.h"
 #include "terminal/message.h"
 
 #include <string.h>
@@ -11,6 +12,7 @@ static int look_into(measure_input *input, const char *name, shear_error *err) {
     shear_field *field = NULL;
     TRY(shear_field_open_input(&field, &input->source, NULL, err));
     input->info = *shear_field_get_info(field);
+    psf_size_warn(field, &input->warnings);
     shear_field_close(field);
     TRY(shear_input_checksum(&input->source, NULL, &input->info, input->checksum, err));
     return name != NULL

@@ -3,6 +3,7 @@
  * could be measured. */
 #pragma once
 
+#include "local/warnings.h"
 #include "shear/field.h"
 #include "shear/run.h"
 #include "terminal/exit_code.h"
@@ -14,9 +15,10 @@ typedef struct measure_input {
     shear_input source; /* its texts are owned by the caller */
     const char *path;   /* for messages and reports: shear_input_text */
     enum exit_code
-        failure;       /* EXIT_CODE_DONE, or the reason for the failure, which has been printed */
-    bool duplicate;    /* same content and field as an earlier file: not measured */
-    const char *field; /* the field that it belongs to: --field, or info.name */
+        failure; /* EXIT_CODE_DONE, or the reason for the failure, which has been printed */
+    warning_list warnings; /* about its chips */
+    bool duplicate;        /* same content and field as an earlier file: not measured */
+    const char *field;     /* the field that it belongs to: --field, or info.name */
     shear_field_info info; /* as opened */
     char checksum[SHEAR_CHECKSUM_SIZE];
     char *catalog; /* path of its catalog (catalog_path.h), to be freed; or NULL */

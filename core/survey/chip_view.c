@@ -3,6 +3,8 @@
 #include "shear/chip.h"
 
 #include "base/cleanup.h"
+#include "base/sort.h"
+#include "survey/half_light.h"
 #include "survey/internal.h"
 #include "survey/second_moments.h"
 
@@ -34,6 +36,47 @@ static int check_stamp(const shear_field *field, int64_t stamp, shear_error *err
                             stamp, field->info.n_stamps);
 }
 
+/* Combine the planes of a stamp's PSF model; NULL: out of memory. */
+static double *psf_image(const exposure *e, const exposure_chip *chip, int64_t i) {
+    const shear_psf_model *m = &e->base.models[chip->model];
+    const double *terms = chip->stamps.psf_terms + i * chip->stamps.terms;
+    const size_t plane = (size_t)m->nx * (size_t)m->ny;
+    double *image = calloc(plane, sizeof *image);
+    for (int t = 0; t < m->terms && image != NULL; t++) {
+        for (size_t k = 0; k < plane; k++)
+            image[k] += terms[t] * m->samples[(size_t)t * plane + k];
+    }
+    return image;
+}
+
+/* Return the half-light radius of the PSF at the first stamp that has one. */
+static double psf_size(const exposure *e, const exposure_chip *chip) {
+    const shear_psf_model *m = &e->base.models[chip->model];
+    const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
+    int64_t i = 0;
+    while (i < chip->stamps.n && chip->stamps.flags[i] != 0)
+        i++;
+    if (i == chip->stamps.n || m->axes == SHEAR_PSF_AXES_MODES)
+        return NAN;
+    CLEANUP(release_free) double *image = psf_image(e, chip, i);
+    return image != NULL ? half_light(image, m->nx, m->ny) * m->step / scale : NAN;
+}
+
+/* Return the lower quartile of FLUX_RADIUS, which is half of r_gal. */
+static double source_quartile(const chip_stamps *s) {
+    CLEANUP(release_free)
+    double *size = s->r_gal != NULL ? malloc((size_t)(s->n + 1) * sizeof *size) : NULL;
+    size_t n = 0;
+    for (int64_t i = 0; size != NULL && i < s->n; i++) {
+        if (s->r_gal[i] > 0.0)
+            size[n++] = 0.5 * s->r_gal[i];
+    }
+    if (n == 0)
+        return NAN;
+    sort_doubles(size, n);
+    return size[n / 4];
+}
+
 int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shear_error *err) {
     TRY(check_chip(field, i, err));
     const exposure *e = (const exposure *)field;
@@ -49,7 +92,9 @@ int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shea
                          .psf_chip = psf_models_chip(e->psf, c->model),
                          .psf = psf_models_text(e->psf, c->model),
                          .psf_terms = psf_models_get(e->psf, c->model)->terms,
-                         .psf_stars = stars > 0 ? stars : -1};
+                         .psf_stars = stars > 0 ? stars : -1,
+                         .psf_half_light = psf_size(e, c),
+                         .source_quartile = source_quartile(&c->stamps)};
     exposure_images_size(e->images, i, &chip->nx, &chip->ny);
     for (int part = 0; part < SHEAR_N_PARTS; part++) {
         chip->hdu[part] = part >= SHEAR_PART_IMAGE && part <= SHEAR_PART_SEGMENTATION
@@ -109,15 +154,9 @@ int shear_chip_psf(const shear_field *field, int64_t stamp, double cov[3], shear
     const exposure_chip *chip = &e->chips[exposure_find_chip(e, stamp)];
     const shear_psf_model *m = &e->base.models[chip->model];
     const int64_t i = stamp - chip->first;
-    const double *terms = chip->stamps.psf_terms + i * chip->stamps.terms;
-    const size_t plane = (size_t)m->nx * (size_t)m->ny;
-    CLEANUP(release_free) double *image = calloc(plane, sizeof *image);
+    CLEANUP(release_free) double *image = psf_image(e, chip, i);
     if (image == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF");
-    for (int t = 0; t < m->terms; t++) {
-        for (size_t k = 0; k < plane; k++)
-            image[k] += terms[t] * m->samples[(size_t)t * plane + k];
-    }
     if (second_moments(image, m->nx, m->ny, cov))
         scale_moments(cov, m, chip->stamps.jacobian[i]);
     return SHEAR_OK;

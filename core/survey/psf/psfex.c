@@ -11,8 +11,6 @@
 
 /* A model whose chi-square per degree of freedom is larger does not describe its stars. */
 static const double worst_chi2 = 100.0;
-/* Of the kernel by which PSFEx itself interpolates between samples. */
-enum { LANCZOS = 3 };
 
 static const char *key(char out[SF_INDEXED], const char *root, int i) {
     return sf_card_indexed(out, root, i + 1);
@@ -141,7 +139,7 @@ static int read_samples(psf_chip *c, const psf_record *r, shear_error *err) {
                                  .ny = (int)axes[1],
                                  .terms = (int)axes[2],
                                  .axes = SHEAR_PSF_AXES_PIXEL,
-                                 .lanczos = LANCZOS};
+                                 .lanczos = 0}; /* docs/method.md section 3.3 */
     return SHEAR_OK;
 }
 
