@@ -1,31 +1,68 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/psf_size.h"
 
+#include "base/cleanup.h"
+#include "base/sort.h"
 #include "sheard/advice.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* FLUX_RADIUS of a star misses the wings, and scatters. */
 static const double SMALLEST = 0.9;
+/* Chips of one camera differ by a few percent. */
+static const double ODD = 0.15;
+enum { FEWEST_CHIPS = 4 };
 
 const char *psf_size_warning(const shear_chip *chip, char *line, size_t size) {
     if (!(chip->source_quartile < SMALLEST * chip->psf_half_light))
         return NULL;
     snprintf(line, size,
              "its PSF (half of the light within %.2f px) is broader than a quarter of its sources "
-             "(FLUX_RADIUS below %.2f px): was it made from galaxies? Every shear is wrong then; "
+             "(FLUX_RADIUS below %.2f px): was it made from galaxies (then every shear is wrong), "
+             "or are these noise? "
              "take brighter stars, or fewer (psfex: SAMPLE_MINSN, SAMPLE_FWHMRANGE)",
              chip->psf_half_light, chip->source_quartile);
     return line;
 }
 
+/* Return the median half-light radius of the chips' PSFs; NaN for fewer than four chips. */
+static double median_size(const shear_field *field, int chips) {
+    CLEANUP(release_free) double *size = malloc((size_t)(chips + 1) * sizeof *size);
+    size_t n = 0;
+    for (int i = 0; i < chips && size != NULL; i++) {
+        shear_chip chip;
+        if (shear_field_get_chip(field, i, &chip, NULL) == SHEAR_OK && chip.psf_half_light > 0.0)
+            size[n++] = chip.psf_half_light;
+    }
+    if (n < FEWEST_CHIPS)
+        return NAN;
+    sort_doubles(size, n);
+    return size[n / 2];
+}
+
+/* A PSF that differs much from those of the other chips is a failed fit. */
+static const char *other_size(const shear_chip *chip, double median, char *line, size_t size) {
+    if (!(fabs(chip->psf_half_light / median - 1.0) > ODD))
+        return NULL;
+    snprintf(
+        line, size,
+        "its PSF has half of the light within %.2f px, those of the other chips within %.2f px: "
+        "look at its stars",
+        chip->psf_half_light, median);
+    return line;
+}
+
 void psf_size_warn(const shear_field *field, warning_list *warnings) {
     const int chips = shear_field_chips(field);
+    const double median = median_size(field, chips);
     for (int i = 0; i < chips; i++) {
         shear_chip chip;
         char line[SHEARD_ADVICE_SIZE];
         if (shear_field_get_chip(field, i, &chip, NULL) == SHEAR_OK &&
-            psf_size_warning(&chip, line, sizeof line) != NULL) {
+            (psf_size_warning(&chip, line, sizeof line) != NULL ||
+             other_size(&chip, median, line, sizeof line) != NULL)) {
             warnings_add(warnings, "chip %d (%s): %s", i + 1,
                          chip.name[0] != '\0' ? chip.name : "no EXTNAME", line);
         }

@@ -9,7 +9,7 @@ struct shear_field_sums {
     int64_t n_stamps, n_used;
     int64_t flagged[SHEAR_N_FLAGS];
     int64_t framed[SHEAR_N_FRAMES]; /* stamps of each frame */
-    exact_sum *sums; /* [SHEAR_N_TERMS] */
+    exact_sum *sums;                /* [SHEAR_N_TERMS] */
     shear_influence top;
 };
 

@@ -96,7 +96,7 @@ static const struct {
 
 /* The axes of the shears: without them a sign of g2 means nothing. */
 static void put_frame(fitsfile *f, enum shear_frame frame, int *status) {
-    static const char *const axes[] = {[SHEAR_FRAME_PIXEL] = "x along columns, y along rows",
+    static const char *const axes[] = {[SHEAR_FRAME_PIXEL] = "x along rows, y along columns",
                                        [SHEAR_FRAME_SKY] = "x to the West, y to the North",
                                        [SHEAR_FRAME_SKY_EAST] = "x to the East, y to the North"};
     put_string(f, "FRAME", shear_frame_name(frame), axes[frame], status);
