@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/validate.h"
 
+#include <math.h>
 #include <string.h>
 
 static bool in_range(int64_t value, int64_t low, int64_t high) {
@@ -20,24 +21,36 @@ static bool name_is_valid(const char *name) {
     return *name == '\0';
 }
 
-/* Check what is said of PSF models and of the frame. */
+/* Check what is said of the frame. */
+static bool frame_is_valid(const shear_field_info *info) {
+    return info->frame == SHEAR_FRAME_PIXEL ||
+           (in_range(info->frame, SHEAR_FRAME_PIXEL, SHEAR_FRAME_SKY_EAST) &&
+            (info->columns & SHEAR_COL_JACOBIAN) != 0 && info->pixscale > 0.0 &&
+            isfinite(info->pixscale));
+}
+
+/* Check what is said of PSF models. */
 static bool models_are_valid(const shear_field_info *info) {
-    const bool models = info->psf_layout == SHEAR_PSF_MODELS;
     const unsigned needed = SHEAR_COL_PSF_ID | SHEAR_COL_PSF_TERMS;
-    return in_range(info->frame, SHEAR_FRAME_PIXEL, SHEAR_FRAME_SKY_EAST) &&
-           (info->frame == SHEAR_FRAME_PIXEL ||
-            ((info->columns & SHEAR_COL_JACOBIAN) != 0 && info->pixscale > 0.0)) &&
-           (models ? in_range(info->psf_terms, 1, SHEAR_MAX_PSF_TERMS) &&
-                         in_range(info->n_models, 1, INT32_MAX) &&
-                         info->n_psf == (int64_t)info->n_models * info->psf_terms &&
-                         (info->columns & needed) == needed
-                   : info->n_models == 0 && info->psf_terms == 0);
+    if (info->psf_layout != SHEAR_PSF_MODELS)
+        return info->n_models == 0 && info->psf_terms == 0;
+    return in_range(info->psf_terms, 1, SHEAR_MAX_PSF_TERMS) &&
+           in_range(info->n_models, 1, INT32_MAX) &&
+           info->n_psf == (int64_t)info->n_models * info->psf_terms &&
+           (info->columns & needed) == needed;
+}
+
+/* Models of modes are drawn on the stamps' grid. */
+static bool axes_are_valid(const shear_psf_model *m, const shear_field_info *info) {
+    const shear_geometry *g = &info->geometry;
+    return in_range(m->axes, SHEAR_PSF_AXES_PIXEL, SHEAR_PSF_AXES_MODES) &&
+           (m->axes != SHEAR_PSF_AXES_MODES || (m->nx == g->nx && m->ny == g->ny)) &&
+           (m->axes != SHEAR_PSF_AXES_SKY || (info->columns & SHEAR_COL_JACOBIAN) != 0);
 }
 
 bool validate_model(const shear_psf_model *m, const shear_field_info *info) {
     return in_range(m->nx, 1, info->geometry.psf_nx) && in_range(m->ny, 1, info->geometry.psf_ny) &&
-           m->terms == info->psf_terms &&
-           in_range(m->axes, SHEAR_PSF_AXES_PIXEL, SHEAR_PSF_AXES_MODES) && m->step > 0.0 &&
+           m->terms == info->psf_terms && axes_are_valid(m, info) && m->step > 1e-9 &&
            m->step < 1e9 && in_range(m->lanczos, 0, 32);
 }
 
@@ -51,8 +64,9 @@ bool validate_info(shear_field_info *info) {
            in_range(info->n_stamps, 1, INT64_C(1) << 40) &&
            in_range(info->n_psf, 1, INT64_C(1) << 40) &&
            in_range(info->layout, SHEAR_LAYOUT_CUBE, SHEAR_LAYOUT_MOSAIC) &&
-           in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_MODELS) && models_are_valid(info) &&
-           hdus_are_valid(info);
+           in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_MODELS) &&
+           in_range(info->noise_planes, 1, SHEAR_MAX_NOISE_PLANES) && models_are_valid(info) &&
+           frame_is_valid(info) && hdus_are_valid(info);
 }
 
 bool validate_checksum(const char text[SHEAR_CHECKSUM_SIZE]) {

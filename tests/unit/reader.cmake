@@ -6,3 +6,5 @@ add_dependencies(test_reader sheard-reader)
 if(SHEAR_SANITIZE)
   target_compile_definitions(test_reader PRIVATE SHEAR_SANITIZED)
 endif()
+# validate.h is the reader's own.
+shear_add_test(reader_validate SOURCES test_reader_validate.c LIBRARIES sheard_reader LABELS reader)

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a reader says of a field: each number that the daemon would use as a size, an index or a
+ * scale is bounded. */
+#include "reader/validate.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* An exposure with PSF models on the sky. */
+static shear_field_info good_info(void) {
+    shear_field_info info = {
+        .name = "exp",
+        .pixscale = 0.2,
+        .frame = SHEAR_FRAME_SKY,
+        .geometry = {.nx = 64, .ny = 48, .psf_nx = 25, .psf_ny = 25, .psf_oversample = 1},
+        .n_stamps = 100,
+        .n_psf = 12,
+        .n_models = 2,
+        .psf_terms = 6,
+        .noise_planes = 4,
+        .psf_layout = SHEAR_PSF_MODELS,
+        .columns = SHEAR_COL_PSF_ID | SHEAR_COL_PSF_TERMS | SHEAR_COL_JACOBIAN,
+    };
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
+        info.hdu[i] = -1;
+    return info;
+}
+
+static shear_psf_model good_model(void) {
+    return (shear_psf_model){
+        .nx = 25, .ny = 25, .terms = 6, .step = 0.5, .axes = SHEAR_PSF_AXES_PIXEL, .lanczos = 4};
+}
+
+/* Change one member of a copy, and check that it is refused. */
+#define REFUSED(member, value)                                                                     \
+    do {                                                                                           \
+        shear_field_info bad = good_info();                                                        \
+        bad.member = (value);                                                                      \
+        assert_false(validate_info(&bad));                                                         \
+    } while (0)
+
+static void infos(void **state) {
+    (void)state;
+    shear_field_info info = good_info();
+    assert_true(validate_info(&info));
+    info.frame = SHEAR_FRAME_PIXEL;
+    info.pixscale = NAN;
+    assert_true(validate_info(&info));
+    info = good_info();
+    memset(info.name, 'x', sizeof info.name); /* no NUL */
+    assert_true(validate_info(&info));
+    REFUSED(name[0], '\n');
+    REFUSED(geometry.nx, 0);
+    REFUSED(geometry.ny, SHEAR_MAX_SIDE + 1);
+    REFUSED(geometry.psf_nx, INT32_MAX);
+    REFUSED(geometry.psf_oversample, NAN);
+    REFUSED(n_stamps, INT64_MAX);
+    REFUSED(n_psf, 13);
+    REFUSED(n_models, -2);
+    REFUSED(psf_terms, SHEAR_MAX_PSF_TERMS + 1);
+    REFUSED(noise_planes, 0);
+    REFUSED(noise_planes, SHEAR_MAX_NOISE_PLANES + 1);
+    REFUSED(noise_planes, INT32_MAX);
+    REFUSED(frame, (enum shear_frame)SHEAR_N_FRAMES);
+    REFUSED(pixscale, NAN);
+    REFUSED(pixscale, INFINITY);
+    REFUSED(pixscale, -1.0);
+    REFUSED(columns, SHEAR_COL_PSF_ID | SHEAR_COL_PSF_TERMS);
+    REFUSED(columns, SHEAR_COL_PSF_ID | SHEAR_COL_JACOBIAN);
+    REFUSED(psf_layout, SHEAR_PSF_ONE);
+    REFUSED(psf_layout, (enum shear_psf_layout)77);
+    REFUSED(hdu[SHEAR_PART_WCS], -2);
+}
+
+#define WRONG(member, value)                                                                       \
+    do {                                                                                           \
+        shear_psf_model bad = good_model();                                                        \
+        bad.member = (value);                                                                      \
+        assert_false(validate_model(&bad, &info));                                                 \
+    } while (0)
+
+static void models(void **state) {
+    (void)state;
+    shear_field_info info = good_info();
+    shear_psf_model m = good_model();
+    assert_true(validate_model(&m, &info));
+    m.axes = SHEAR_PSF_AXES_SKY;
+    assert_true(validate_model(&m, &info));
+    WRONG(nx, 0);
+    WRONG(nx, 26);
+    WRONG(ny, INT32_MAX);
+    WRONG(terms, 5);
+    WRONG(step, NAN);
+    WRONG(step, 1e300);
+    WRONG(step, 1e-300);
+    WRONG(lanczos, 33);
+    WRONG(lanczos, -1);
+    WRONG(axes, (enum shear_psf_axes)7);
+    WRONG(axes, SHEAR_PSF_AXES_MODES); /* which are on the grid of the stamps: 64 x 48 */
+    info.geometry.psf_nx = m.nx = 64;
+    info.geometry.psf_ny = m.ny = 48;
+    m.axes = SHEAR_PSF_AXES_MODES;
+    assert_true(validate_model(&m, &info));
+    info.columns = SHEAR_COL_PSF_ID | SHEAR_COL_PSF_TERMS; /* no Jacobians */
+    WRONG(axes, SHEAR_PSF_AXES_SKY);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(infos),
+        cmocka_unit_test(models),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
