@@ -57,9 +57,9 @@ static int look_into(const validate_options *o, findings *f, shear_error *words)
     sheard_validation_report *v = &f->report;
     TRY(shear_field_open_input(&f->field, f->input, NULL, words));
     v->field = shear_field_get_info(f->field);
+    TRY(chip_scan_init(&f->chips, f->field, v, words));
     TRY(shear_plan_for_field(&f->plan, v->settings, f->field, words));
     v->plan = shear_plan_get_info(f->plan);
-    TRY(chip_scan_init(&f->chips, f->field, words));
     progress *bar = progress_begin(v->path, o->quiet);
     int code = field_scan(f->field, f->plan, &f->chips, bar, v, words);
     progress_end(bar);

@@ -23,15 +23,21 @@ static int describe(chip_scan *s, shear_error *err) {
                                           : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
 }
 
-int chip_scan_init(chip_scan *s, shear_field *field, shear_error *err) {
+int chip_scan_init(chip_scan *s, shear_field *field, sheard_validation_report *v,
+                   shear_error *err) {
     *s = (chip_scan){.field = field,
                      .n = shear_field_chips(field),
                      .current = -1,
                      .distortion_min = NAN,
                      .distortion_max = NAN};
     s->chips = calloc((size_t)s->n + 1, sizeof *s->chips);
-    return s->chips != NULL ? describe(s, err)
-                            : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    if (s->chips == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    TRY(describe(s, err));
+    v->chips = s->chips;
+    v->n_chips = s->n;
+    v->distortion_min = v->distortion_max = NAN;
+    return SHEAR_OK;
 }
 
 void chip_scan_deinit(chip_scan *s) {
@@ -108,8 +114,6 @@ int chip_scan_finish(chip_scan *s, sheard_validation_report *v, shear_error *err
     end_chip(s);
     while (s->current + 1 < s->n)
         TRY(count_masked(s, ++s->current, err));
-    v->chips = s->chips;
-    v->n_chips = s->n;
     v->distortion_min = s->distortion_min;
     v->distortion_max = s->distortion_max;
     return SHEAR_OK;

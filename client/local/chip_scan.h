@@ -16,13 +16,13 @@ typedef struct chip_scan {
     double distortion_min, distortion_max;
 } chip_scan;
 
-/* Describe the chips. Nothing needs to be scanned for a field that is no exposure. Call
- * chip_scan_deinit after an error, too. */
-int chip_scan_init(chip_scan *s, shear_field *field, shear_error *err);
+/* Describe the chips, also in the report; they remain the scan's. Nothing needs to be scanned for a
+ * field that is no exposure. Call chip_scan_deinit after an error, too. */
+int chip_scan_init(chip_scan *s, shear_field *field, sheard_validation_report *v, shear_error *err);
 void chip_scan_deinit(chip_scan *s);
 /* Add stamp `i` of a block, the next one of the field, with its flags. */
 int chip_scan_add(chip_scan *s, const shear_block *block, int i, unsigned flags, shear_error *err);
-/* Finish the last chip, and copy what was found to the report; the chips remain the scan's. */
+/* Finish the last chip, and complete the report. */
 int chip_scan_finish(chip_scan *s, sheard_validation_report *v, shear_error *err);
 
 /* Write how to call a chip: its EXTNAME, or "of HDU 3". Return buf. */

@@ -28,14 +28,17 @@ static int64_t flagged(const sheard_chip_report *r, unsigned flag) {
 
 static const char *of_positions(const sheard_chip_report *r, const context *c, char *line) {
     char said[LINE];
-    return sheard_advice_positions(&c->v->plan->centring, said, sizeof said) == NULL
+    return c->v->plan != NULL &&
+                   sheard_advice_positions(&c->v->plan->centring, said, sizeof said) == NULL
                ? sheard_advice_positions(&r->centring, line, LINE)
                : NULL; /* of the exposure as a whole */
 }
 
 static const char *of_catalog(const sheard_chip_report *r, const context *c, char *line) {
-    const int64_t away = flagged(r, SHEAR_FLAG_NO_POSITION);
     const int64_t n = r->chip.n_stamps;
+    const int64_t flagged_away = flagged(r, SHEAR_FLAG_NO_POSITION);
+    const int64_t away =
+        n - r->chip.n_sources > flagged_away ? n - r->chip.n_sources : flagged_away;
     (void)c;
     if (n > 0 && 2 * away <= n)
         return NULL;

@@ -7,6 +7,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 static void print_frame(const sheard_validation_report *v, FILE *out) {
@@ -40,14 +41,16 @@ static void print_matches(const shear_chip *c, FILE *out) {
               c->psf_chip[0] != '\0' ? ")" : "", c->has_wcs ? "WCS" : "no WCS");
 }
 
-static void print_chip(const sheard_chip_report *r, FILE *out) {
+static void print_chip(const sheard_chip_report *r, bool scanned, FILE *out) {
     const shear_chip *c = &r->chip;
     char name[96];
-    text_line(out, "chip",
-              "%s: %d x %d px, %.2f %% bad; %" PRId64 " sources on it, %" PRId64
-              " selected, %" PRId64 " measurable",
-              chip_scan_name(r, name, sizeof name), c->nx, c->ny, 100.0 * r->masked, c->n_sources,
-              c->n_stamps, r->n_measurable);
+    char found[96] = "";
+    if (scanned) {
+        snprintf(found, sizeof found, ", %" PRId64 " measurable; %.2f %% bad pixels",
+                 r->n_measurable, 100.0 * r->masked);
+    }
+    text_line(out, "chip", "%s: %d x %d px; %" PRId64 " sources on it, %" PRId64 " selected%s",
+              chip_scan_name(r, name, sizeof name), c->nx, c->ny, c->n_sources, c->n_stamps, found);
     print_matches(c, out);
     if (r->centring.found > 1) {
         text_line(out, "positions",
@@ -62,7 +65,7 @@ void chips_text_print(const sheard_validation_report *v, FILE *out) {
     print_frame(v, out);
     for (int i = 0; i < v->n_chips; i++) {
         const char *psf = v->chips[i].chip.psf;
-        print_chip(&v->chips[i], out);
+        print_chip(&v->chips[i], v->scanned, out);
         if (i == 0 || strcmp(psf, v->chips[i - 1].chip.psf) != 0)
             text_line(out, "psf", "%s", psf);
     }

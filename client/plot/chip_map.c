@@ -195,7 +195,7 @@ static void draw_scale(shear_figure *f, const chip_survey *s, double y, double u
 void chip_map_draw_psf(shear_figure *f, shear_rect cell, const chip_survey *s) {
     const double nx = s->chip.nx;
     const double ny = s->chip.ny;
-    const double below = 0.36 * fmax(nx, ny);
+    const double below = (isfinite(s->jacobian[0]) ? 0.36 : 0.12) * fmax(nx, ny);
     const double spacing = fmax(nx, ny) / CHIP_PSFS;
     double e = 1e-3;
     double sigma = 0.5;
@@ -213,7 +213,7 @@ void chip_map_draw_psf(shear_figure *f, shear_rect cell, const chip_survey *s) {
     shear_axes_begin(f, &axes);
     draw_outline(f, s);
     draw_ellipses(f, s, 0.3 * spacing / sigma, whisker);
-    draw_scale(f, s, -0.14 * below, round_below(e), whisker);
+    draw_scale(f, s, -0.05 * fmax(nx, ny), round_below(e), whisker);
     draw_compass(f, s, 0.5 * nx, -0.62 * below, 0.26 * below);
     shear_axes_end(f);
 }

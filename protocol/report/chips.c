@@ -23,22 +23,24 @@ static json_t *centring(const shear_centring *c) {
                        {"y", json_text_number(c->y)}, {"y_err", json_text_number(c->y_err)});
 }
 
-static json_t *chip(const sheard_chip_report *r) {
+/* `scanned`: its stamps have been looked at. */
+static json_t *chip(const sheard_chip_report *r, bool scanned) {
     const shear_chip *c = &r->chip;
     return JSON_OBJECT(
         {"name", json_text_string(c->name)}, {"nx", json_integer(c->nx)},
         {"ny", json_integer(c->ny)}, {"hdu", hdus(c)}, {"table", json_integer(c->table)},
         {"wcs", json_boolean(c->has_wcs)}, {"psf", psf(c)}, {"masked", json_text_number(r->masked)},
         {"n_sources", json_integer(c->n_sources)}, {"n_selected", json_integer(c->n_stamps)},
-        {"n_measurable", json_integer(r->n_measurable)},
-        {"flags", json_text_counts(r->flags, SHEAR_N_FLAGS, shear_flag_name)},
-        {"centring", centring(&r->centring)});
+        {"n_measurable", scanned ? json_integer(r->n_measurable) : json_null()},
+        {"flags",
+         scanned ? json_text_counts(r->flags, SHEAR_N_FLAGS, shear_flag_name) : json_null()},
+        {"centring", scanned ? centring(&r->centring) : json_null()});
 }
 
 json_t *parts_exposure(const sheard_validation_report *v) {
     json_t *chips = json_array();
     for (int i = 0; i < v->n_chips; i++)
-        json_text_append(&chips, chip(&v->chips[i]));
+        json_text_append(&chips, chip(&v->chips[i], v->scanned));
     return JSON_OBJECT(
         {"frame", json_text_string(v->field != NULL ? shear_frame_name(v->field->frame) : NULL)},
         {"distortion", JSON_OBJECT({"min", json_text_number(v->distortion_min)},
