@@ -57,7 +57,8 @@ class Exposures(DaemonTest):
         """Draw an exposure; its object, with every source's radius known, for the neighbours."""
         path = os.path.join(self.d.data, name + ".fits")
         subprocess.run([SHEARCTL, "expose", "--quiet", "--chips", chips, "--chip-size", size, "--stars", "0",
-                        *(["--galaxies", "0"] if empty else ["--spacing", str(GAP)]), "--flux", "20000,80000", "--cosmic-rays", "3", "--bad-columns", "1",
+                        *(["--galaxies", "0"] if empty else ["--spacing", str(GAP)]), "--flux", "20000,80000",
+                        "--cosmic-rays", "3", "--bad-columns", "1",
                         "--psf-shape", "0,0", "--psf-variation", "0", "--rotation", "30", "--seed", str(seed), path],
                        check=True, stdout=subprocess.DEVNULL)
         beside = {key: {"path": os.path.join(self.d.data, f"{name}.{key}.fits")} for key in ("weight", "mask")}

@@ -333,7 +333,8 @@ class Noise(Changed):
         self.compare(self.measure(*self.options(noise="white")))
 
     def test_an_image(self):
-        self.assertCode(shearctl("expose", self.path("noise.fits"), *self.DRAWN, "--seed", 77, "--galaxies", 0, "--spacing", 0), DONE)
+        self.assertCode(shearctl("expose", self.path("noise.fits"), *self.DRAWN, "--seed", 77, "--galaxies", 0,
+                                 "--spacing", 0), DONE)
         result = self.measure(*self.options(noise=self.path("noise.fits")))
         self.compare(result)
         chips = images(self.path("noise.fits"))
