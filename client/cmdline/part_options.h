@@ -21,7 +21,7 @@
 
 /* Further entries for subcommands that read exposures; PART_OPTIONS go before them. */
 #define EXPOSURE_OPTION(parts, option)                                                             \
-    { .name = option, .set = part_options_set, .context = (parts) }
+    { .name = (option), .set = part_options_set, .context = (parts) }
 #define EXPOSURE_OPTIONS(parts)                                                                    \
     {.name = "image", .text = &(parts)->given[SHEAR_PART_IMAGE]},                                  \
         {.name = "weight", .text = &(parts)->given[SHEAR_PART_WEIGHT]},                            \

@@ -182,9 +182,10 @@ static void print_text(FILE *out, const char *name, const char *text) {
 /* Print the options of an exposure that are given. */
 static void print_options(const shear_exposure *e, FILE *out) {
     char number[24];
-    for (int i = 0; i < SHEAR_N_EXPOSURE_OPTIONS; i++)
+    for (int i = 0; i < SHEAR_N_EXPOSURE_OPTIONS; i++) {
         print_text(out, shear_exposure_option(i),
                    shear_exposure_get(e, shear_exposure_option(i), number));
+    }
 }
 
 static void print_source(const sheard_msg_job *job, FILE *out) {

@@ -110,15 +110,26 @@ const char *shear_exposure_get(const shear_exposure *e, const char *name, char *
     return number;
 }
 
+/* Parse a side. Return what follows it; NULL: it is no side. */
+static const char *parse_side(const char *text, int *side) {
+    char *end = NULL;
+    const long value = strtol(text, &end, 10);
+    if (text[0] < '0' || text[0] > '9' || value < SHEAR_MIN_SIDE || value > SHEAR_MAX_SIDE)
+        return NULL;
+    *side = (int)value;
+    return end;
+}
+
 int shear_mosaic_set_size(shear_mosaic *m, const char *text, shear_error *err) {
-    char end = '\0';
     int nx = 0;
     int ny = 0;
-    const int n = sscanf(text, "%4dx%4d%c", &nx, &ny, &end);
-    if (n == 1 && strspn(text, "0123456789") == strlen(text))
+    const char *rest = parse_side(text, &nx);
+    if (rest != NULL && rest[0] == 'x') {
+        rest = parse_side(rest + 1, &ny);
+    } else {
         ny = nx;
-    if (n < 1 || n > 2 || nx < SHEAR_MIN_SIDE || nx > SHEAR_MAX_SIDE || ny < SHEAR_MIN_SIDE ||
-        ny > SHEAR_MAX_SIDE) {
+    }
+    if (rest == NULL || rest[0] != '\0') {
         return shear_fail(err, SHEAR_E_SETTING, NULL,
                           "stamp-size is '%s', but must be N or NxM, %d to %d pixels", text,
                           SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);

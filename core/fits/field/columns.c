@@ -59,9 +59,9 @@ void sf_layout_add(sf_layout *l, const char *name, const char *form, const char 
 void sf_layout_add_columns(sf_layout *l, unsigned columns, int terms) {
     snprintf(l->made, sizeof l->made, "%dD", terms);
     for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
+        const char *form = def->repeat == 0 ? l->made : def->form;
         if ((columns & def->bit) != 0)
-            sf_layout_add(l, def->name, def->repeat == 0 ? l->made : def->form, def->unit,
-                          def->comment);
+            sf_layout_add(l, def->name, form, def->unit, def->comment);
     }
 }
 
