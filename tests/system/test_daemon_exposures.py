@@ -56,10 +56,10 @@ class Exposures(DaemonTest):
     def expose(self, name="exp", chips="2x1", size="480x480", seed=1, empty=False, **more):
         """Draw an exposure; its object, with every source's radius known, for the neighbours."""
         path = os.path.join(self.d.data, name + ".fits")
-        subprocess.run([SHEARCTL, "expose", "--quiet", "--chips", chips, "--chip-size", size, "--stars", "0",
-                        *(["--galaxies", "0"] if empty else ["--spacing", str(GAP)]), "--flux", "20000,80000",
-                        "--cosmic-rays", "3", "--bad-columns", "1",
-                        "--psf-shape", "0,0", "--psf-variation", "0", "--rotation", "30", "--seed", str(seed), path],
+        objects = ["--galaxies", "0"] if empty else ["--spacing", str(GAP)]
+        subprocess.run([SHEARCTL, "expose", "--quiet", "--chips", chips, "--chip-size", size, "--stars", "0", *objects,
+                        "--flux", "20000,80000", "--cosmic-rays", "3", "--bad-columns", "1", "--psf-shape", "0,0",
+                        "--psf-variation", "0", "--rotation", "30", "--seed", str(seed), path],
                        check=True, stdout=subprocess.DEVNULL)
         beside = {key: {"path": os.path.join(self.d.data, f"{name}.{key}.fits")} for key in ("weight", "mask")}
         return {"image": {"path": path}, **beside,
@@ -294,6 +294,31 @@ class Counting(Exposures):
         self.d.start()
         self.assertEqual(self.d.wait_state(job, *FINAL)["state"], "done")
         self.assertRow(self.d, "exp", numbers(expected), 1)
+
+
+class Changing(Exposures):
+    settings = {"retry.first_delay": "50ms"}
+
+    def test_a_file_that_changes(self):
+        """Any of its files: what was measured until then does not count."""
+        side = math.ceil(math.sqrt(stamps_for(3, 32, *SLOW_OPTIONS)))
+        exposure = self.expose(chips="1x1", size=f"{side * GAP}x{side * GAP}", stamp=32)
+        job = self.d.held(self.submit(exposure, settings=SLOW, wait=False)["id"])
+        with open(exposure["mask"]["path"], "r+b") as file:
+            file.seek(-2880, 2)
+            file.write(b"\0" * 8)
+        self.d.go_on()
+        job = self.d.wait_state(job, *FINAL)
+        history = self.d.call("job", id=job["id"])["history"]
+        self.assertEqual([(a["ending"], a["code"]) for a in history], [("failed", "file_changed"), ("done", None)])
+        self.assertIn("mask", history[0]["message"])
+        self.assertRow(self.d, "exp", numbers(measured_exposure(exposure, *SLOW_OPTIONS)), 1)
+
+    def test_too_large_for_the_shared_memory(self):
+        exposure = self.expose(chips="1x1", stamp=512, noise_stamps=64)
+        job = self.submit(exposure)
+        self.assertEqual(job["state"], "failed")
+        self.assertIn("[reader] shared_memory", job["advice"])
 
 
 if __name__ == "__main__":
