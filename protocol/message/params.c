@@ -197,9 +197,10 @@ static int check_images(sheard_msg_image *const parts[SHEAR_N_PARTS], bool any,
 
 /* Check that an exposure has neither images of stamps beside it, nor their layout. */
 static int check_alone(const sheard_msg_source *s, bool any, sheard_rpc_error *error) {
-    if (any)
+    if (any) {
         return bad_source(error, SHEARD_RPC_BAD_PARAMETER, "exposure",
                           "contradicts separate images");
+    }
     if (s->stamp_nx != 0 || s->stamp_ny != 0 || s->stamps != 0) {
         return sheard_rpc_fail_parameter(
             error, SHEARD_RPC_BAD_PARAMETER,
