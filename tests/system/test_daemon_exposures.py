@@ -108,6 +108,13 @@ class Ways(Exposures):
             self.assertIn(words, shown)
         self.assertIn("exp.fits, an exposure", self.d.shearctl("jobs"))
 
+    def test_an_origin_that_is_wrong_is_told(self):
+        for origin in (0, 1):
+            exposure = self.expose(f"o{origin}", chips="1x1", size="640x640", origin=origin)
+            job = self.submit(exposure, field=f"f{origin}")
+            for told in (job, self.d.call("field", field=f"f{origin}")):
+                self.assertEqual("give --origin 1" in json.dumps(told), origin == 0)
+
     def test_by_job_files(self):
         """On the command line and in the watch folder."""
         exposure = self.expose(chips="1x1")
