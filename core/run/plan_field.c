@@ -86,14 +86,18 @@ static void model_sample_deinit(model_sample *s) {
     free(s->terms);
 }
 
-/* Look at the PSF of one stamp, and keep it if it is usable. *why gets what is wrong with it. */
-static int look_at_stamp(model_sample *s, int64_t stamp, const shear_psf_source *psfs, int n_terms,
+/* Look at the PSF of the first of stamps [first, end) that has one, and keep it if it is usable.
+ * *why gets what is wrong with it. */
+static int look_at_stamp(model_sample *s, int64_t first, int64_t end, const shear_psf_source *psfs,
                          shear_plan_request *request, shear_error *why, shear_error *err) {
     const int i = request->n_psfs;
-    double *terms = s->terms + (size_t)i * (size_t)n_terms;
-    TRY(psfs->read_terms(psfs->self, stamp, &s->model[i], terms, err));
-    if (s->model[i] < 0 || s->model[i] >= request->n_models)
-        return SHEAR_OK;
+    double *terms = s->terms + (size_t)i * (size_t)psfs->models[0].terms;
+    for (bool found = false; !found; first++) {
+        if (first >= end)
+            return SHEAR_OK;
+        TRY(psfs->read_terms(psfs->self, first, &s->model[i], terms, err));
+        found = s->model[i] >= 0 && s->model[i] < request->n_models;
+    }
     const bool usable = shear_psf_model_examine(&s->quality[i], &request->models[s->model[i]],
                                                 terms, request->pixel_scale, why) == SHEAR_OK;
     request->n_psfs += usable;
@@ -132,7 +136,9 @@ static int read_models(shear_plan_request *request, const shear_field_info *info
     if (s.terms == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
     for (int64_t i = 0; i < tries; i++) {
-        TRY(look_at_stamp(&s, i * info->n_stamps / tries, &psfs, n_terms, request, &why, err));
+        const int64_t first = i * info->n_stamps / tries;
+        const int64_t end = (i + 1) * info->n_stamps / tries;
+        TRY(look_at_stamp(&s, first, end, &psfs, request, &why, err));
     }
     if (request->n_psfs == 0) {
         return shear_fail(err, SHEAR_E_PSF, why.advice, "none of %lld PSFs is usable: %s",

@@ -59,7 +59,9 @@ static int flush(unpacking *u, shear_error *err) {
     const size_t count = CHUNK - u->z.avail_out;
     const bool text = u->text && count > 0 && u->plain[0] == '#';
     if (u->written == 0 && !text && !sf_is_fits(u->plain, (int64_t)count)) {
-        return sf_fail(err, SHEAR_E_FORMAT, u->at, NULL,
+        return sf_fail(err, SHEAR_E_FORMAT, u->at,
+                       u->text ? "write the catalog with CATALOG_TYPE FITS_LDAC, or ASCII_HEAD"
+                               : NULL,
                        "not a FITS file%s: the unpacked gzip data do not begin with 'SIMPLE  ='%s",
                        u->text ? " or SExtractor's ASCII_HEAD" : "", u->text ? " or '#'" : "");
     }

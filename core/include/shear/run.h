@@ -34,8 +34,8 @@ typedef struct shear_psf_source {
 
 /** Make the request for a field's plan: its geometry, and its PSF, which is read. If there are
  * several, up to 256 that are evenly spaced are read, and r_psf_px is their median radius. Likewise
- * with models, whose PSFs are those of evenly spaced stamps; frame and pixel scale are the field's.
- * The settings are borrowed. On error there is nothing to free. */
+ * with models, whose PSFs are those of evenly spaced stamps that have one; frame and pixel scale
+ * are the field's. The settings are borrowed. On error there is nothing to free. */
 int shear_plan_request_read(shear_plan_request *request, const shear_settings *settings,
                             const shear_field_info *info, shear_psf_source psfs, shear_error *err);
 /** Free what shear_plan_request_read() has read. Only for requests that it has made. */

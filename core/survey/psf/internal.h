@@ -23,8 +23,8 @@ enum psf_quantity {
     PSF_QUANTITY_CONTEXT /* a number of the galaxy */
 };
 
-/* A variable of the polynomial: (quantity - zero) / scale. It must be within 3 widths of the middle
- * of what the stars covered. */
+/* A variable of the polynomial: (quantity - zero) / scale. The stars covered middle +- width / 2.
+ */
 typedef struct psf_variable {
     enum psf_quantity quantity;
     char name[SF_NAME]; /* as the PSF program calls it */

@@ -16,7 +16,10 @@
 
 CLEANUP_DEFINE(psf_models, psf_models_close)
 
-/* Variables this many widths from the middle are beyond the polynomial. */
+/* Variables this many widths from the middle are beyond the polynomial: places twice as far as the
+ * outermost star. Magnitudes may be farther: galaxies are fainter than PSF stars. So may places of
+ * which the nearest image is used. */
+static const double reach_of_places = 1.0;
 static const double reach = 3.0;
 
 /* ---- opening ---- */
@@ -183,7 +186,8 @@ static bool compute_variables(const psf_chip *c, const psf_place *place, double 
     for (int i = 0; i < c->terms.variables; i++) {
         const psf_variable *v = &c->variables[i];
         const double x = v->quantity == PSF_QUANTITY_CONTEXT ? *context++ : value[v->quantity];
-        if (!(fabs(x - v->middle) <= reach * v->width))
+        const bool fitted = v->quantity != PSF_QUANTITY_CONTEXT && c->places == NULL;
+        if (!(fabs(x - v->middle) <= (fitted ? reach_of_places : reach) * v->width))
             return false;
         out[i] = (x - v->zero) / v->scale;
     }

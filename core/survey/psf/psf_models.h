@@ -49,5 +49,6 @@ typedef struct psf_place {
     const double *context; /* [psf_models_contexts()] */
 } psf_place;
 /* Compute the coefficients c[terms] of a galaxy. Return false if they are not finite, or the place
- * is so far outside the range of the stars that the polynomial means nothing (|u| > 3 scales). */
+ * is so far from the stars that the polynomial means nothing: farther from their middle than their
+ * whole range; of other variables, and of the nearest image, 3 ranges. */
 bool psf_models_terms(const psf_models *p, int i, const psf_place *place, double *c);
