@@ -63,6 +63,16 @@ static shear_psf_summary read_psf(const json_t *o) {
     return s;
 }
 
+/* Read where the light is. Accounts of older versions do not know it. */
+static shear_centring read_centring(const json_t *o) {
+    return (shear_centring){.looked_at = json_text_count_at(o, "looked_at"),
+                            .found = json_text_count_at(o, "found"),
+                            .x = json_text_number_at(o, "x"),
+                            .y = json_text_number_at(o, "y"),
+                            .x_err = json_text_number_at(o, "x_err"),
+                            .y_err = json_text_number_at(o, "y_err")};
+}
+
 static shear_plan_info read_plan(const json_t *entry, const json_t *o) {
     const enum shear_frame frame = frame_named(json_text_string_at(o, "frame"));
     return (shear_plan_info){
@@ -81,6 +91,7 @@ static shear_plan_info read_plan(const json_t *entry, const json_t *o) {
         .frame = frame,
         .beta = json_text_number_at(o, frame != SHEAR_FRAME_PIXEL ? "beta_sky" : "beta_px"),
         .psf = read_psf(json_object_get(entry, "psf")),
+        .centring = read_centring(json_object_get(entry, "centring")),
     };
 }
 

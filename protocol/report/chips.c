@@ -17,12 +17,6 @@ static json_t *psf(const shear_chip *c) {
                        {"stars", json_text_index(c->psf_stars)});
 }
 
-static json_t *centring(const shear_centring *c) {
-    return JSON_OBJECT({"looked_at", json_integer(c->looked_at)}, {"found", json_integer(c->found)},
-                       {"x", json_text_number(c->x)}, {"x_err", json_text_number(c->x_err)},
-                       {"y", json_text_number(c->y)}, {"y_err", json_text_number(c->y_err)});
-}
-
 /* `scanned`: its stamps have been looked at. */
 static json_t *chip(const sheard_chip_report *r, bool scanned) {
     const shear_chip *c = &r->chip;
@@ -34,7 +28,7 @@ static json_t *chip(const sheard_chip_report *r, bool scanned) {
         {"n_measurable", scanned ? json_integer(r->n_measurable) : json_null()},
         {"flags",
          scanned ? json_text_counts(r->flags, SHEAR_N_FLAGS, shear_flag_name) : json_null()},
-        {"centring", scanned ? centring(&r->centring) : json_null()});
+        {"centring", scanned ? parts_centring(&r->centring) : json_null()});
 }
 
 json_t *parts_exposure(const sheard_validation_report *v) {

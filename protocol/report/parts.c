@@ -38,6 +38,12 @@ json_t *parts_psf(const shear_psf_summary *s) {
         {"noise", json_text_number(q->noise)}, {"lowest", json_text_number(q->lowest)});
 }
 
+json_t *parts_centring(const shear_centring *c) {
+    return JSON_OBJECT({"looked_at", json_integer(c->looked_at)}, {"found", json_integer(c->found)},
+                       {"x", json_text_number(c->x)}, {"x_err", json_text_number(c->x_err)},
+                       {"y", json_text_number(c->y)}, {"y_err", json_text_number(c->y_err)});
+}
+
 json_t *parts_noise_level(const shear_result *r) {
     if (r == NULL)
         return json_null();
@@ -76,6 +82,7 @@ json_t *parts_file(const sheard_report_file *f, bool account) {
         json_text_set(&o, "ny", json_integer(f->plan->geometry.ny));
         json_text_set(&o, "per_stamp", json_boolean(f->plan->filter_per_stamp));
         json_text_set(&o, "psf", parts_psf(&f->plan->psf));
+        json_text_set(&o, "centring", parts_centring(&f->plan->centring));
     }
     return o;
 }

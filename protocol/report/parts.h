@@ -14,6 +14,8 @@
 json_t *parts_plan(const shear_plan_info *plan);
 /* Make {"looked_at", "unusable", "flaws", ...}. */
 json_t *parts_psf(const shear_psf_summary *psf);
+/* Make {"looked_at", "found", "x", "x_err", "y", "y_err"}. */
+json_t *parts_centring(const shear_centring *c);
 /* Make {"alpha", "alpha_err", "effect", "shape", "shape_err", "share"}. */
 json_t *parts_noise_level(const shear_result *r);
 /* Make {"n_eff", "top_share", "top_stamp", "top_file"}. */
@@ -26,6 +28,6 @@ json_t *parts_pair(double g1, double g2);
 /* Make what validate reports of an exposure. */
 json_t *parts_exposure(const sheard_validation_report *v);
 
-/* Make a file's entry in a report. With `account`, also the shape of its stamps and the summary of
- * its PSF. */
+/* Make a file's entry in a report. With `account`, also the shape of its stamps, the summary of
+ * its PSF, and where its light is. */
 json_t *parts_file(const sheard_report_file *file, bool account);
