@@ -65,7 +65,7 @@ class Validate(Exposure):
     def test_the_same_in_words(self):
         answer = shearctl("validate", *self.expose())
         self.assertCode(answer, DONE)
-        for words in ("frame      sky: x to the West", "taken out", "chip       CHIP1: 640 x 512 px", "no segmentation",
+        for words in ("frame      sky: x to the West", "taken out", "chip       CHIP1: 640 x 512 px; ", "no segmentation",
                       "positions  light of", "hole ("):
             self.assertIn(words, answer.out)
 
@@ -93,6 +93,19 @@ class Validate(Exposure):
                                                      ("Y", "D", [float(y) for _, y in places])]))
         options[options.index("--sources") + 1] = self.path("other.fits")
         self.assertRegex("\n".join(self.validate(*options)["warnings"]), "there is light near .* positions only")
+
+    def test_a_catalog_of_another_field_is_told(self):
+        """Few of its sources are on the chip."""
+        options = self.expose()
+        places = [100.0, 200.0, 300.0] + [5000.0 + i for i in range(27)]
+        with open(self.path("other.fits"), "wb") as file:
+            file.write(primary() + table("OBJECTS", [(name, "D", places) for name in "XY"]))
+        options[options.index("--sources") + 1] = self.path("other.fits")
+        verdict = self.validate(*options)
+        (chip,) = verdict["exposure"]["chips"]
+        self.assertEqual((chip["n_sources"], chip["n_selected"], chip["flags"]["no_position"]), (3, 30, 27))
+        self.assertRegex("\n".join(verdict["warnings"]), "27 of 30 sources are not on it")
+        self.assertIn("3 sources on it, 30 selected", shearctl("validate", *options).out)
 
     def test_a_mask_of_everything_is_told(self):
         verdict = self.validate(*self.expose(), "--mask-bad", "zero")
