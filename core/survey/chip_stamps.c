@@ -145,6 +145,7 @@ int chip_stamps_init(chip_stamps *s, const chip_inputs *in, shear_error *err) {
         if (is_wanted(in, &p, i))
             add_stamp(s, in, &p, i);
     }
+    s->r_gal_measured = in->sources->r_gal_measured;
     add_shapes(s, in->sources, &p);
     return SHEAR_OK;
 }

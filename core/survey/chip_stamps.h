@@ -18,6 +18,7 @@ typedef struct chip_stamps {
     double *ra, *dec; /* degrees; NaN without a sky map */
     double *weight;   /* NULL if the catalog has none, like r_gal */
     double *r_gal;
+    bool r_gal_measured;   /* 2 FLUX_RADIUS, the PSF included */
     double (*jacobian)[4]; /* NaN without a sky map */
     double *psf_terms;     /* [n][terms] */
     uint32_t *flags;       /* enum shear_flag: no place, no PSF there */

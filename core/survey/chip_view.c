@@ -65,7 +65,8 @@ static double psf_size(const exposure *e, const exposure_chip *chip) {
 /* Return the lower quartile of FLUX_RADIUS, which is half of r_gal. */
 static double source_quartile(const chip_stamps *s) {
     CLEANUP(release_free)
-    double *size = s->r_gal != NULL ? malloc((size_t)(s->n + 1) * sizeof *size) : NULL;
+    double *size =
+        s->r_gal != NULL && s->r_gal_measured ? malloc((size_t)(s->n + 1) * sizeof *size) : NULL;
     size_t n = 0;
     for (int64_t i = 0; size != NULL && i < s->n; i++) {
         if (s->r_gal[i] > 0.0)

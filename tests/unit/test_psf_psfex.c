@@ -98,7 +98,7 @@ static void test_reach(void **state) {
     double c[TERMS];
     static const struct {
         double x, y, mag;
-    } cases[] = {{3001.0, 2000.0, 19.0}, {1000.0, -2001.0, 19.0}, {1000.0, 2000.0, 31.5},
+    } cases[] = {{3001.0, 2000.0, 19.0}, {1000.0, -2001.0, 19.0},  {1000.0, 2000.0, 31.5},
                  {NAN, 2000.0, 19.0},    {1000.0, INFINITY, 19.0}, {1000.0, 2000.0, NAN},
                  {1e300, 2000.0, 19.0}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -131,7 +131,8 @@ static int read_sizes(source_list *s, const source_columns *c, shear_error *err)
     TRY(read_if(c, SOURCE_WEIGHT, s->weight, err));
     TRY(s->a != NULL ? isophote_read(c, s->a, s->b, s->theta, err) : SHEAR_OK);
     TRY(read_if(c, SOURCE_R_GAL, s->r_gal, err));
-    const double factor = source_columns_is(c, SOURCE_R_GAL, "FLUX_RADIUS") ? 2.0 : 1.0;
+    s->r_gal_measured = source_columns_is(c, SOURCE_R_GAL, "FLUX_RADIUS");
+    const double factor = s->r_gal_measured ? 2.0 : 1.0;
     for (int64_t i = 0; i < s->n && s->r_gal != NULL; i++) {
         const double r = factor * s->r_gal[i];
         s->r_gal[i] = r > 0.0 && isfinite(r) ? r : NAN;

@@ -34,7 +34,8 @@ typedef struct source_list {
     double *ra, *dec; /* degrees; NULL: no such columns */
     int64_t *id;      /* NUMBER or ID, else the row's number from 1 */
     double *r_gal;    /* 2 FLUX_RADIUS, or R_GAL itself; NULL: neither */
-    double *weight;   /* WEIGHT; NULL: no such column */
+    bool r_gal_measured;   /* it is 2 FLUX_RADIUS */
+    double *weight;        /* WEIGHT; NULL: no such column */
     double *a, *b, *theta; /* semi-axes of the isophote, pixels, and position angle, degrees from x
                               to y; NULL: no such columns */
     double *context;       /* [n][n_contexts], as asked for */
