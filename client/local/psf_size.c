@@ -9,32 +9,32 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* FLUX_RADIUS of a star misses the wings, and scatters. */
-static const double SMALLEST = 0.9;
+/* Half of the light of a Gaussian of R_PSF = 1 lies within it; of other PSFs within more. */
+static const double HALF_LIGHT = 1.177;
 /* Chips of one camera differ by a few percent. */
 static const double ODD = 0.15;
 enum { FEWEST_CHIPS = 4 };
 
 const char *psf_size_warning(const shear_chip *chip, char *line, size_t size) {
-    if (!(chip->source_quartile < SMALLEST * chip->psf_half_light))
+    if (!(chip->source_quartile < HALF_LIGHT * chip->r_psf_px))
         return NULL;
     snprintf(line, size,
-             "its PSF (half of the light within %.2f px) is broader than a quarter of its sources "
+             "its PSF (R_PSF %.2f px) is broader than a quarter of its sources "
              "(FLUX_RADIUS below %.2f px): was it made from galaxies (then every shear is wrong), "
              "or are these noise? "
              "take brighter stars, or fewer (psfex: SAMPLE_MINSN, SAMPLE_FWHMRANGE)",
-             chip->psf_half_light, chip->source_quartile);
+             chip->r_psf_px, chip->source_quartile);
     return line;
 }
 
-/* Return the median half-light radius of the chips' PSFs; NaN for fewer than four chips. */
+/* Return the median R_PSF of the chips' PSFs; NaN for fewer than four chips. */
 static double median_size(const shear_field *field, int chips) {
     CLEANUP(release_free) double *size = malloc((size_t)(chips + 1) * sizeof *size);
     size_t n = 0;
     for (int i = 0; i < chips && size != NULL; i++) {
         shear_chip chip;
-        if (shear_field_get_chip(field, i, &chip, NULL) == SHEAR_OK && chip.psf_half_light > 0.0)
-            size[n++] = chip.psf_half_light;
+        if (shear_field_get_chip(field, i, &chip, NULL) == SHEAR_OK && chip.r_psf_px > 0.0)
+            size[n++] = chip.r_psf_px;
     }
     if (n < FEWEST_CHIPS)
         return NAN;
@@ -44,13 +44,12 @@ static double median_size(const shear_field *field, int chips) {
 
 /* A PSF that differs much from those of the other chips is a failed fit. */
 static const char *other_size(const shear_chip *chip, double median, char *line, size_t size) {
-    if (!(fabs(chip->psf_half_light / median - 1.0) > ODD))
+    if (!(fabs(chip->r_psf_px / median - 1.0) > ODD))
         return NULL;
-    snprintf(
-        line, size,
-        "its PSF has half of the light within %.2f px, those of the other chips within %.2f px: "
-        "look at its stars",
-        chip->psf_half_light, median);
+    snprintf(line, size,
+             "its PSF has an R_PSF of %.2f px, those of the other chips of %.2f px: "
+             "look at its stars",
+             chip->r_psf_px, median);
     return line;
 }
 

@@ -4,7 +4,6 @@
 
 #include "base/cleanup.h"
 #include "base/sort.h"
-#include "survey/half_light.h"
 #include "survey/internal.h"
 #include "survey/second_moments.h"
 
@@ -49,17 +48,19 @@ static double *psf_image(const exposure *e, const exposure_chip *chip, int64_t i
     return image;
 }
 
-/* Return the half-light radius of the PSF at the first stamp that has one. */
-static double psf_size(const exposure *e, const exposure_chip *chip) {
+/* Return R_PSF at the first stamp that has a PSF. */
+static double psf_radius(const exposure *e, const exposure_chip *chip) {
     const shear_psf_model *m = &e->base.models[chip->model];
     const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
+    double r = NAN;
     int64_t i = 0;
     while (i < chip->stamps.n && chip->stamps.flags[i] != 0)
         i++;
-    if (i == chip->stamps.n || m->axes == SHEAR_PSF_AXES_MODES)
-        return NAN;
-    CLEANUP(release_free) double *image = psf_image(e, chip, i);
-    return image != NULL ? half_light(image, m->nx, m->ny) * m->step / scale : NAN;
+    return i < chip->stamps.n &&
+                   shear_psf_model_radius(m, chip->stamps.psf_terms + i * chip->stamps.terms, scale,
+                                          &r, NULL) == SHEAR_OK
+               ? r
+               : NAN;
 }
 
 /* Return the lower quartile of FLUX_RADIUS, which is half of r_gal. */
@@ -94,7 +95,7 @@ int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shea
                          .psf = psf_models_text(e->psf, c->model),
                          .psf_terms = psf_models_get(e->psf, c->model)->terms,
                          .psf_stars = stars > 0 ? stars : -1,
-                         .psf_half_light = psf_size(e, c),
+                         .r_psf_px = psf_radius(e, c),
                          .source_quartile = source_quartile(&c->stamps)};
     exposure_images_size(e->images, i, &chip->nx, &chip->ny);
     for (int part = 0; part < SHEAR_N_PARTS; part++) {
