@@ -4,19 +4,19 @@
 
 #include "base/cleanup.h"
 #include "base/sort.h"
-#include "base/text.h"
 #include "common/release.h"
 #include "fits/field/name.h"
 #include "survey/chip_match.h"
+#include "survey/chip_sky.h"
 #include "survey/internal.h"
 #include "survey/no_stamps.h"
-#include "survey/wcs/head_file.h"
+#include "survey/noise_match.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFAULT_STAMP = 64, PLACE_SIZE = 4200 };
+enum { DEFAULT_STAMP = 64 };
 
 /* What is needed only while an exposure is opened. */
 typedef struct opening {
@@ -77,41 +77,6 @@ static int open_files(opening *o, shear_error *err) {
     return e->options.noise == SHEAR_NOISE_IMAGE ? open_noise(o, err) : SHEAR_OK;
 }
 
-/* Write which HDU has a chip's header, for messages. Return buf. */
-static const char *header_place(const opening *o, int chip, char *buf, size_t size) {
-    const char *name = exposure_images_name(o->e->images, chip);
-    *buf = '\0';
-    if (name[0] != '\0') {
-        text_append(buf, size, "file '%s', HDU %s", part_of(o, SHEAR_PART_IMAGE)->path, name);
-    } else {
-        text_append(buf, size, "file '%s', HDU %lld", part_of(o, SHEAR_PART_IMAGE)->path,
-                    (long long)exposure_images_hdu(o->e->images, chip, SHEAR_PART_IMAGE));
-    }
-    return buf;
-}
-
-/* Make the sky map of a chip, by the header of its image or that of the .head file. */
-static int map_chip(const opening *o, int chip, sky_map **map, shear_error *err) {
-    int64_t count = 0;
-    char where[PLACE_SIZE];
-    const char *cards = exposure_images_header(o->e->images, chip, &count);
-    if (o->head.n == 0)
-        return sky_map_new(map, cards, count, header_place(o, chip, where, sizeof where), err);
-    if (o->head.n != 1 && o->head.n != o->e->n_chips) {
-        return shear_fail(err, SHEAR_E_FORMAT, "give a block of cards, ended by END, for each chip",
-                          "file '%s': has %d blocks for %d chips", part_of(o, SHEAR_PART_WCS)->path,
-                          o->head.n, o->e->n_chips);
-    }
-    const int block = o->head.n == 1 ? 0 : chip;
-    CLEANUP(release_free) char *merged = head_file_merge(&o->head, block, cards, &count);
-    if (merged == NULL)
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a header");
-    where[0] = '\0';
-    text_append(where, sizeof where, "file '%s', block %d", part_of(o, SHEAR_PART_WCS)->path,
-                block + 1);
-    return sky_map_new(map, merged, count, where, err);
-}
-
 static const char *table_name(const void *self, int i) {
     return source_catalog_chip(self, i);
 }
@@ -136,44 +101,6 @@ static int match_chip(const opening *o, int chip, int *table, int *model, shear_
     const char *name = exposure_images_name(e->images, chip);
     TRY(chip_match(&tables, chip, e->n_chips, name, table, err));
     return chip_match(&models, chip, e->n_chips, name, model, err);
-}
-
-static const char *noise_name(const void *self, int i) {
-    return exposure_images_name(self, i);
-}
-
-/* Find the noise image of a chip, which must be of the chip's size. */
-static int match_noise(const opening *o, int chip, shear_error *err) {
-    const exposure *e = o->e;
-    exposure_chip *c = &e->chips[chip];
-    if (e->noise_images == NULL)
-        return SHEAR_OK;
-    const chip_items images = {.what = "images of noise",
-                               .file = part_of(o, SHEAR_PART_NOISE)->path,
-                               .n = exposure_images_chips(e->noise_images),
-                               .name = noise_name,
-                               .self = e->noise_images};
-    const char *name = exposure_images_name(e->images, chip);
-    int size[2];
-    int noise[2];
-    TRY(chip_match(&images, chip, e->n_chips, name, &c->noise, err));
-    if (strcmp(images.file, part_of(o, SHEAR_PART_IMAGE)->path) == 0 &&
-        exposure_images_hdu(e->noise_images, c->noise, SHEAR_PART_IMAGE) ==
-            exposure_images_hdu(e->images, chip, SHEAR_PART_IMAGE)) {
-        return shear_fail(
-            err, SHEAR_E_FORMAT,
-            "give an image of noise alone, or --noise near for empty sky of the image",
-            "file '%s': is given both as image and as noise", images.file);
-    }
-    exposure_images_size(e->images, chip, &size[0], &size[1]);
-    exposure_images_size(e->noise_images, c->noise, &noise[0], &noise[1]);
-    if (noise[0] == size[0] && noise[1] == size[1])
-        return SHEAR_OK;
-    return shear_fail(err, SHEAR_E_FORMAT, "both must be of the same exposure, and trimmed alike",
-                      "file '%s': the noise image of chip %d (%s) has %d x %d pixels, but the "
-                      "image has %d x %d",
-                      images.file, chip + 1, name[0] != '\0' ? name : "no EXTNAME", noise[0],
-                      noise[1], size[0], size[1]);
 }
 
 CLEANUP_DEFINE(sky_map, sky_map_free)
@@ -207,9 +134,9 @@ static int find_contexts(const opening *o, int chip, contexts *c, shear_error *e
     const exposure *e = o->e;
     const int n = psf_models_contexts(e->psf, e->chips[chip].model, &names);
     const char *cards = exposure_images_header(e->images, chip, &count);
-    char where[PLACE_SIZE];
-    return contexts_init(c, names, n, cards, count, header_place(o, chip, where, sizeof where),
-                         err);
+    char where[CHIP_SKY_PLACE];
+    chip_sky_place(e, chip, part_of(o, SHEAR_PART_IMAGE)->path, where);
+    return contexts_init(c, names, n, cards, count, where, err);
 }
 
 static int open_chip(opening *o, int chip, shear_error *err) {
@@ -219,7 +146,8 @@ static int open_chip(opening *o, int chip, shear_error *err) {
     CLEANUP(sky_map_release) sky_map *map = NULL;
     CLEANUP(source_list_deinit) source_list sources = {0};
     TRY(match_chip(o, chip, &c->table, &c->model, err));
-    TRY(map_chip(o, chip, &map, err));
+    TRY(chip_sky_map(&map, e, chip, part_of(o, SHEAR_PART_IMAGE)->path, &o->head,
+                     part_of(o, SHEAR_PART_WCS)->path, err));
     c->mapped = map != NULL;
     TRY(find_contexts(o, chip, &wanted, err));
     TRY(source_catalog_load(o->catalog, c->table, wanted.columns, wanted.n_columns, &sources, err));
@@ -235,7 +163,8 @@ static int open_chip(opening *o, int chip, shear_error *err) {
                       .model = c->model,
                       .only_inside = shared};
     exposure_images_size(e->images, chip, &in.nx, &in.ny);
-    TRY(match_noise(o, chip, err));
+    TRY(noise_match(e, chip, part_of(o, SHEAR_PART_IMAGE)->path, part_of(o, SHEAR_PART_NOISE)->path,
+                    &c->noise, err));
     TRY(chip_stamps_init(&c->stamps, &in, err));
     c->first = e->base.info.n_stamps;
     e->base.info.n_stamps += c->stamps.n;

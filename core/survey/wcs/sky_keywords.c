@@ -214,8 +214,9 @@ static bool has_tpv_coefficients(const sky_keywords *k) {
 static int need(const double values[2], const char *root, const char *where, shear_error *err) {
     for (int i = 0; i < 2; i++) {
         if (isnan(values[i])) {
-            return shear_fail(err, SHEAR_E_FORMAT, NULL, "%s: keyword %s%d is missing", where, root,
-                              i + 1);
+            return shear_fail(err, SHEAR_E_FORMAT,
+                              "complete the header, or use --frame pixel and pixel positions",
+                              "%s: keyword %s%d is missing", where, root, i + 1);
         }
     }
     return SHEAR_OK;
