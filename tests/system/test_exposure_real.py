@@ -13,7 +13,7 @@ import unittest
 
 from exposures import FLAG, PSF_UNUSABLE, ExposureTest, columns, keywords, psf_image, read, write
 from fitsfile import card, hdus, header, image, pad, primary, table
-from tool import DONE, INPUT, shearctl
+from tool import DONE, INPUT, SANITIZED, shearctl
 
 SURVEY = os.path.join(os.environ.get("SHEAR_SHARED", ""), "survey")
 SEXTRACTOR = shutil.which("source-extractor") or shutil.which("sex")
@@ -65,6 +65,7 @@ def path_of(name):
     return os.path.join(SURVEY, name)
 
 
+@unittest.skipIf(SANITIZED, "the readers are tested under the sanitizers; a star field given as the PSF takes minutes there")
 @unittest.skipUnless(os.path.isdir(SURVEY), "needs the folder of real files")
 class Real(ExposureTest):
     def setUp(self):
