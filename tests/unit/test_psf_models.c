@@ -245,7 +245,7 @@ static void test_bad_terms(void **state) {
     shear_psf_model model = model_of(planes, 0.5);
     model.terms = 2;
     for (int axes = SHEAR_PSF_AXES_PIXEL; axes <= SHEAR_PSF_AXES_SKY; axes++) {
-        model.axes = axes;
+        model.axes = (enum shear_psf_axes)axes;
         for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
             const sky_way way = {.model = &model, .terms = bad[i], .beta_px = beta};
             assert_int_equal(sky_scene_measure(&s, &way, NULL).flags, SHEAR_FLAG_PSF_UNUSABLE);
@@ -276,7 +276,7 @@ static void test_artefacts(void **state) {
             s.pixels[20 * SCENE_SIDE + 41] += 1.5;
         for (int axes = SHEAR_PSF_AXES_PIXEL; axes <= SHEAR_PSF_AXES_SKY; axes++) {
             shear_psf_model model = model_of(s.samples, 0.6);
-            model.axes = axes;
+            model.axes = (enum shear_psf_axes)axes;
             sky_scene_draw_psf(&s, 0.6, 0.1, -0.3);
             for (int typical = 0; typical < 2; typical++) {
                 const sky_way way = {.model = &model, .typical = typical == 1, .beta_px = beta};
@@ -378,7 +378,7 @@ static void test_memory(void **state) {
     const double one = 1.0;
     shear_psf_model model = model_of(s.samples, 0.5);
     for (int axes = SHEAR_PSF_AXES_PIXEL; axes <= SHEAR_PSF_AXES_SKY; axes++) {
-        model.axes = axes;
+        model.axes = (enum shear_psf_axes)axes;
         const shear_plan_request request = {.geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
                                             .models = &model,
                                             .n_models = 1,
