@@ -65,7 +65,7 @@ def path_of(name):
     return os.path.join(SURVEY, name)
 
 
-@unittest.skipIf(SANITIZED, "the readers are tested under the sanitizers; a star field given as the PSF takes minutes there")
+@unittest.skipIf(SANITIZED, "a star field that is given as the PSF takes minutes there")
 @unittest.skipUnless(os.path.isdir(SURVEY), "needs the folder of real files")
 class Real(ExposureTest):
     def setUp(self):
