@@ -127,7 +127,8 @@ static int keep_sample(shear_plan_request *request, const model_sample *s, int n
 static int read_models(shear_plan_request *request, const shear_field_info *info,
                        shear_psf_source psfs, shear_error *err) {
     const int n_terms = psfs.models[0].terms;
-    const int64_t tries = info->n_stamps < MAX_MODEL_STAMPS ? info->n_stamps : MAX_MODEL_STAMPS;
+    const int64_t most = info->n_models == 1 && n_terms == 1 ? 1 : MAX_MODEL_STAMPS; /* constant */
+    const int64_t tries = info->n_stamps < most ? info->n_stamps : most;
     shear_error why = {.message = "no stamp has one"};
     CLEANUP(model_sample_deinit)
     model_sample s = {.terms = calloc((size_t)MAX_MODEL_STAMPS * (size_t)n_terms, sizeof *s.terms)};

@@ -149,8 +149,9 @@ class Sources(Hostile):
 
     def peak(self, *options):
         """Exit code and largest resident memory of a measurement, bytes."""
-        with subprocess.Popen([SHEARCTL, "measure", "--json", "--quiet", *map(str, options)], stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env={**os.environ, **SANITIZERS}) as process:
+        command = [SHEARCTL, "measure", "--json", "--quiet", *map(str, options)]
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                              env={**os.environ, **SANITIZERS}) as process:
             process.stdout.read()
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
@@ -201,7 +202,8 @@ class Models(Hostile):
                 (5, 10 ** 6, 1413, {}, "POLDEG1 is 1413"), (5, 499500, 998, {}, "POLDEG1 is 998"),
                 (25, 91, 12, {}, "model.psf"), (25, 6, 2, {"PSF_SAMP": -1.0}, "PSF_SAMP"),
                 (25, 6, 2, {"PSF_SAMP": 1e300}, "PSF_SAMP"), (25, 6, 2, {"POLSCAL1": 0.0}, "POLSCAL1"),
-                (25, 6, 2, {"POLNAXIS": 1000000}, "POLNAXIS"), (25, 6, 3, {}, "has 6 planes, but its polynomial (POLDEGn, POLGRPn) has 10 terms"), (25, 6, 2, {}, "model.psf"),
+                (25, 6, 2, {"POLNAXIS": 1000000}, "POLNAXIS"), (25, 6, 2, {}, "model.psf"),
+                (25, 6, 3, {}, "has 6 planes, but its polynomial (POLDEGn, POLGRPn) has 10 terms"),
                 (25, 6, 2, {"ACCEPTED": 0}, "no PSF model can be used")):
             with self.subTest(words):
                 self.refused("model.psf", words, "advice: ", psf=self.psfex(side, terms, degree, **changed))
@@ -224,15 +226,16 @@ class Models(Hostile):
     def test_stars(self):
         n, side = 100000, 15
         width = 4 * side * side + 16
-        head = header([("XTENSION", "BINTABLE"), ("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", width), ("NAXIS2", n), ("PCOUNT", 0),
-                       ("GCOUNT", 1), ("TFIELDS", 3), ("TTYPE1", "VIGNET"), ("TFORM1", f"{side * side}E"),
+        head = header([("XTENSION", "BINTABLE"), ("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", width), ("NAXIS2", n),
+                       ("PCOUNT", 0), ("GCOUNT", 1), ("TFIELDS", 3), ("TTYPE1", "VIGNET"), ("TFORM1", f"{side * side}E"),
                        ("TDIM1", f"({side}, {side})"), ("TTYPE2", "X_IMAGE"), ("TFORM2", "D"), ("TTYPE3", "Y_IMAGE"),
                        ("TFORM3", "D"), ("EXTNAME", "STARS")])
         path = self.write("stars.fits", primary() + head)
         os.truncate(path, os.path.getsize(path) + width * n + -(width * n) % BLOCK)
         self.refused("stars.fits", "HDU STARS", "100000", psf=path)
         star = big_endian(psf_image(side), -32)
-        content = head.replace(card("NAXIS2", n), card("NAXIS2", 3)) + 3 * (bytes(4 * side * side) + struct.pack(">dd", 9, 9))
+        dark = bytes(4 * side * side) + struct.pack(">dd", 9, 9)
+        content = head.replace(card("NAXIS2", n), card("NAXIS2", 3)) + 3 * dark
         self.refused("stars.fits", "0 of 3 stamps look like stars", "advice: ",
                      psf=self.write("stars.fits", primary() + content + bytes(-(width * 3) % BLOCK)))
         few = b"".join(star + struct.pack(">dd", 100.0 * i, 100.0 * i * i) for i in range(3))
@@ -281,7 +284,8 @@ class Pixels(Hostile):
         for _ in range(30):
             for chip in self.sky:
                 number += 1
-                chip.cards = [card("EXTNAME", f"C{number:02}").decode() if c.startswith("EXTNAME") else c for c in chip.cards]
+                name = card("EXTNAME", f"C{number:02}").decode()
+                chip.cards = [name if c.startswith("EXTNAME") else c for c in chip.cards]
                 many += chip.bytes()
         answer = shearctl("measure", "--json", *self.options(image=self.write("many.fits", many)), timeout=60 * PATIENCE)
         self.assertCode(answer, DONE)
@@ -331,7 +335,8 @@ class WrongWayRound(Hostile):
 
     def test_settings(self):
         for option, value, words in (("stamp", "7", "8"), ("stamp", "1025", "1024"), ("noise-stamps", "65", "64"),
-                                     ("origin", "2", "0 to 1"), ("frame", "galactic", "sky"), ("psf-kind", "shapelets", "psfex"),
+                                     ("origin", "2", "0 to 1"), ("frame", "galactic", "sky"),
+                                     ("psf-kind", "shapelets", "psfex"),
                                      ("mask-bad", "bits=x", "bits"), ("mask-bad", "bits=-1", "bits"),
                                      ("weight-kind", "sigma", "rms"), ("columns", "x", "="), ("columns", "flux=A", "flux"),
                                      ("select", "NUMBER <", "NUMBER <"), ("select", "NOWHERE > 1", "no column 'NOWHERE'"),
