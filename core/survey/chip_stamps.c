@@ -76,7 +76,7 @@ static void place_arrays(chip_stamps *s, const source_list *l, size_t n, arena *
     s->jacobian = arena_take(a, n * sizeof *s->jacobian);
     s->psf_terms = arena_doubles(a, n * (size_t)s->terms);
     s->flags = arena_take(a, n * sizeof *s->flags);
-    s->shapes = arena_take(a, (size_t)l->n * sizeof *s->shapes);
+    s->shapes = arena_take(a, (l->a != NULL ? (size_t)l->n : 0) * sizeof *s->shapes);
 }
 
 static bool allocate(chip_stamps *s, const chip_inputs *in, int64_t wanted) {

@@ -9,6 +9,7 @@
 #include "survey/chip_match.h"
 #include "survey/chip_sky.h"
 #include "survey/internal.h"
+#include "survey/near_chip.h"
 #include "survey/no_stamps.h"
 #include "survey/noise_match.h"
 
@@ -109,7 +110,7 @@ CLEANUP_DEFINE(sky_map, sky_map_free)
 static int check_positions(const opening *o, const source_list *sources, const sky_map *map,
                            bool shared, shear_error *err) {
     const char *file = part_of(o, SHEAR_PART_CATALOG)->path;
-    if (sources->n > 0 && sources->x == NULL && map == NULL) {
+    if (sources->n > 0 && map == NULL && (sources->x == NULL || (shared && sources->ra != NULL))) {
         return shear_fail(err, SHEAR_E_FORMAT,
                           "give pixel positions (--columns x=...,y=...), or the WCS (--wcs)",
                           "file '%s': has RA and Dec only, and the image has no WCS", file);
@@ -163,6 +164,8 @@ static int open_chip(opening *o, int chip, shear_error *err) {
                       .model = c->model,
                       .only_inside = shared};
     exposure_images_size(e->images, chip, &in.nx, &in.ny);
+    if (shared && map != NULL)
+        TRY(near_chip_keep(&sources, map, in.nx, in.ny, err));
     TRY(noise_match(e, chip, part_of(o, SHEAR_PART_IMAGE)->path, part_of(o, SHEAR_PART_NOISE)->path,
                     &c->noise, err));
     TRY(chip_stamps_init(&c->stamps, &in, err));

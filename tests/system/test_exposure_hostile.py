@@ -48,6 +48,32 @@ class Hostile(ExposureTest):
         return write_images(self.path("filled.fits"), chips)
 
 
+    def big(self, path, rows, row_of):
+        """A table of that many rows, written in parts."""
+        row = ">iddh"
+        width, part = struct.calcsize(row), 50000
+        head = header([("XTENSION", "BINTABLE"), ("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", width), ("NAXIS2", rows),
+                       ("PCOUNT", 0), ("GCOUNT", 1), ("TFIELDS", 4), ("TTYPE1", "NUMBER"), ("TFORM1", "J"),
+                       ("TTYPE2", "RA"), ("TFORM2", "D"), ("TTYPE3", "DEC"), ("TFORM3", "D"), ("TTYPE4", "FLAGS"),
+                       ("TFORM4", "I"), ("EXTNAME", "BIG")])
+        with open(path, "wb") as file:
+            file.write(primary() + head)
+            for first in range(0, rows, part):
+                file.write(b"".join(struct.pack(row, *row_of(i)) for i in range(first, min(first + part, rows))))
+            file.write(bytes(-(rows * width) % BLOCK))
+        return path
+
+    def peak(self, *options):
+        """Exit code and largest resident memory of a measurement, bytes."""
+        command = [SHEARCTL, "measure", "--json", "--quiet", *map(str, options)]
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                              env={**os.environ, **SANITIZERS}) as process:
+            process.stdout.read()
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        return process.returncode, usage.ru_maxrss * 1024
+
+
 class Coordinates(Hostile):
     def with_keyword(self, key, value, hdu=b"CHIP2"):
         content = read(self.path("exp.fits"))
@@ -131,31 +157,6 @@ class Sources(Hostile):
         answer = shearctl("measure", *self.options(sources=path))
         self.assertRegex(answer.err, "no source is selected, of 9|1 of 9|0 of 1 stamps|none of 1 selected")
         self.refused("f.cat", "no source is selected, of 9", "--select", sources=path, select="FLAGS < -100")
-
-    def big(self, path, rows, row_of):
-        """A table of that many rows, written in parts."""
-        row = ">iddh"
-        width, part = struct.calcsize(row), 50000
-        head = header([("XTENSION", "BINTABLE"), ("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", width), ("NAXIS2", rows),
-                       ("PCOUNT", 0), ("GCOUNT", 1), ("TFIELDS", 4), ("TTYPE1", "NUMBER"), ("TFORM1", "J"),
-                       ("TTYPE2", "RA"), ("TFORM2", "D"), ("TTYPE3", "DEC"), ("TFORM3", "D"), ("TTYPE4", "FLAGS"),
-                       ("TFORM4", "I"), ("EXTNAME", "BIG")])
-        with open(path, "wb") as file:
-            file.write(primary() + head)
-            for first in range(0, rows, part):
-                file.write(b"".join(struct.pack(row, *row_of(i)) for i in range(first, min(first + part, rows))))
-            file.write(bytes(-(rows * width) % BLOCK))
-        return path
-
-    def peak(self, *options):
-        """Exit code and largest resident memory of a measurement, bytes."""
-        command = [SHEARCTL, "measure", "--json", "--quiet", *map(str, options)]
-        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                              env={**os.environ, **SANITIZERS}) as process:
-            process.stdout.read()
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-        return process.returncode, usage.ru_maxrss * 1024
 
     def test_many(self):
         """Half a million rows; then so many that they are refused, as FITS and as text, before they are read."""
@@ -280,6 +281,7 @@ class Pixels(Hostile):
         self.refused("cut.fits", "CHIP1", "truncated", image=self.write("cut.fits", read(self.path("exp.fits"))[:10 ** 6]))
 
     def test_sixty_chips(self):
+        """One catalog of them all, most of whose sources are elsewhere, is not kept for each chip."""
         many, number = primary(), 0
         for _ in range(30):
             for chip in self.sky:
@@ -287,9 +289,18 @@ class Pixels(Hostile):
                 name = card("EXTNAME", f"C{number:02}").decode()
                 chip.cards = [name if c.startswith("EXTNAME") else c for c in chip.cards]
                 many += chip.bytes()
-        answer = shearctl("measure", "--json", *self.options(image=self.write("many.fits", many)), timeout=60 * PATIENCE)
+        path = self.write("many.fits", many)
+        answer = shearctl("measure", "--json", *self.options(image=path), timeout=60 * PATIENCE)
         self.assertCode(answer, DONE)
         self.assertEqual(answer.json()[0]["n_stamps"], 30 * 72)
+        truth = self.truth()
+        places = list(zip(truth["RA"], truth["DEC"])) + [(150.1 + 0.01 * i, 5.0) for i in range(1000)]
+        sources = self.big(self.path("big.cat"), 200000,
+                           lambda i: (i, *places[i % 1000 if i > 71 else i], 0 if i < 72 else 4))
+        code, bytes_ = self.peak(*self.options(image=path, sources=sources))
+        self.assertEqual(code, DONE)
+        if not SANITIZED:
+            self.assertLess(bytes_, 200 * MEGABYTE)
 
 
 class WrongWayRound(Hostile):

@@ -184,14 +184,13 @@ static int select_rows(source_list *s, const source_columns *c, const char *expr
     return SHEAR_OK;
 }
 
-/* Keep the rows whose extension is the wanted one. */
-static void keep_rows(source_list *s, const int64_t *extension, int64_t wanted) {
+void source_list_keep(source_list *s, const int64_t *key, int64_t wanted) {
     double *const columns[] = {s->x,      s->y, s->ra, s->dec,  s->r_gal,
                                s->weight, s->a, s->b,  s->theta};
     const int per_row = s->n_contexts;
     int64_t n = 0;
     for (int64_t i = 0; i < s->n; i++) {
-        if (extension[i] != wanted)
+        if (key[i] != wanted)
             continue;
         for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
             if (columns[k] != NULL)
@@ -213,7 +212,7 @@ static int choose_chip(source_list *s, const open_table *t, int64_t wanted, shea
     if (extension == NULL)
         return sf_fail_memory(err, t->cards.at);
     TRY(open_table_extensions(t, extension, err));
-    keep_rows(s, extension, wanted);
+    source_list_keep(s, extension, wanted);
     return SHEAR_OK;
 }
 

@@ -49,4 +49,6 @@ typedef struct source_list {
  */
 int source_catalog_load(source_catalog *c, int i, const char *const *contexts, int n_contexts,
                         source_list *out, shear_error *err);
+/* Keep the rows whose key, of key[n], is the wanted one. */
+void source_list_keep(source_list *s, const int64_t *key, int64_t wanted);
 void source_list_deinit(source_list *s);
