@@ -2,13 +2,12 @@
 """What is given with an exposure, in all ways of giving it: flags of galaxies, masks and weights, catalogs, coordinates,
 compressed files, noise; and mosaics of stamps without keywords."""
 import gzip
-import os
 import re
 import shutil
 import subprocess
 import unittest
 
-from exposures import FLAG, ExposureTest, Image, images, ldac, read, write, write_images
+from exposures import ExposureTest, Image, images, ldac, read, write, write_images
 from fitsfile import card, hdus, image, pad, primary, table
 from tool import DONE, INPUT, ToolTest, shearctl
 
