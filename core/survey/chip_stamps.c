@@ -4,6 +4,7 @@
 #include "base/arena.h"
 #include "base/cleanup.h"
 #include "shear/stamp.h"
+#include "survey/cutout/light.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,7 +77,7 @@ static void place_arrays(chip_stamps *s, const source_list *l, size_t n, arena *
     s->jacobian = arena_take(a, n * sizeof *s->jacobian);
     s->psf_terms = arena_doubles(a, n * (size_t)s->terms);
     s->flags = arena_take(a, n * sizeof *s->flags);
-    s->shapes = arena_take(a, (l->a != NULL ? (size_t)l->n : 0) * sizeof *s->shapes);
+    s->shapes = arena_take(a, (size_t)l->n * sizeof *s->shapes);
 }
 
 static bool allocate(chip_stamps *s, const chip_inputs *in, int64_t wanted) {
@@ -119,19 +120,33 @@ static void add_stamp(chip_stamps *s, const chip_inputs *in, const places *p, in
     }
 }
 
-/* Keep the ellipses of all sources with one, as owners of pixels: they hide their neighbours' sky,
- * measured or not. */
-static void add_shapes(chip_stamps *s, const source_list *l, const places *p) {
+static object_shape shape_of(const source_list *l, int64_t i) {
     static const double degree = M_PI / 180.0;
-    for (int64_t i = 0; i < l->n && l->a != NULL; i++) {
-        if (!(l->a[i] > 0.0 && l->b[i] > 0.0) || !isfinite(p->x[i] + p->y[i]))
+    if (l->a != NULL && l->a[i] > 0.0 && l->b[i] > 0.0)
+        return (object_shape){.a = l->a[i], .b = l->b[i], .theta = l->theta[i] * degree};
+    const double r = l->r_gal != NULL ? l->r_gal[i] : NAN;
+    return (object_shape){.a = isfinite(r) ? r : 0.0, .b = NAN};
+}
+
+/* Keep the shapes of all sources, as owners of pixels: they hide their neighbours' sky, measured or
+ * not. */
+static void add_shapes(chip_stamps *s, const source_list *l, const places *p) {
+    for (int64_t i = 0; i < l->n; i++) {
+        if (!isfinite(p->x[i] + p->y[i]))
             continue;
-        s->shapes[s->n_shapes++] = (object_shape){.x = p->x[i] - 1.0,
-                                                  .y = p->y[i] - 1.0,
-                                                  .a = l->a[i],
-                                                  .b = l->b[i],
-                                                  .theta = l->theta[i] * degree,
-                                                  .owner = (int32_t)(i + 1)};
+        object_shape *shape = &s->shapes[s->n_shapes++];
+        *shape = shape_of(l, i);
+        shape->x = p->x[i] - 1.0;
+        shape->y = p->y[i] - 1.0;
+        shape->owner = (int32_t)(i + 1);
+    }
+}
+
+void chip_stamps_size_shapes(chip_stamps *s, double r_psf_px) {
+    for (int64_t i = 0; i < s->n_shapes; i++) {
+        object_shape *shape = &s->shapes[i];
+        if (isnan(shape->b))
+            shape->a = shape->b = shape->a + LIGHT_PSF_RADII * r_psf_px;
     }
 }
 

@@ -23,7 +23,8 @@ typedef struct chip_stamps {
     double *psf_terms;     /* [n][terms] */
     uint32_t *flags;       /* enum shear_flag: no place, no PSF there */
     int terms;
-    object_shape *shapes; /* [n_shapes] of all sources of the catalog, measured or not */
+    object_shape *shapes; /* [n_shapes] of all sources of the catalog, measured or not; b is NaN
+                             where no ellipse is known, and a is r_gal, or 0 */
     int64_t n_shapes;
     int64_t n_sources; /* of the catalog that are on the chip, measured or not */
     void *memory;      /* of all arrays; owned */
@@ -42,4 +43,6 @@ typedef struct chip_inputs {
 
 /* Make the stamps. SHEAR_E_NOMEM. Call chip_stamps_deinit after an error, too. */
 int chip_stamps_init(chip_stamps *s, const chip_inputs *in, shear_error *err);
+/* Give the sources without an ellipse a circle that holds the light of a galaxy of r_gal. */
+void chip_stamps_size_shapes(chip_stamps *s, double r_psf_px);
 void chip_stamps_deinit(chip_stamps *s);

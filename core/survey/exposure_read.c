@@ -56,6 +56,7 @@ int exposure_hold(exposure *e, int chip, shear_error *err) {
     if (isnan(options.r_psf_px))
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF");
     exposure_images_size(e->images, chip, &options.nx, &options.ny);
+    chip_stamps_size_shapes(&e->chips[chip].stamps, options.r_psf_px);
     TRY(chip_pixels_open(&h->pixels, e->images, chip, s->shapes, s->n_shapes, err));
     if (e->noise_images != NULL)
         TRY(chip_pixels_open(&h->noise, e->noise_images, e->chips[chip].noise, NULL, 0, err));

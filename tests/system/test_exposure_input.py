@@ -105,6 +105,20 @@ class Flags(Changed):
         self.assertFlagged(result, neighbour={near})
         self.assertEqual(result[0]["n_stamps"], self.whole[0]["n_stamps"])
 
+    def test_sources_without_a_size(self):
+        """They are kept out of each other's noise stamps, and are neighbours, all the same."""
+        bare = self.measure(*self.options(sources=self.path("exp.truth.fits")))
+        self.assertEqual(bare[0]["n_used"], self.whole[0]["n_used"])
+        for name in ("g1", "g2", "g1_err", "g2_err"):
+            self.assertAlmostEqual(bare[0][name], self.whole[0][name], 4)
+        near = self.used[0]
+        _, x, y = self.places[near]
+        places = [(n, x, y) for n, (chip, x, y) in self.places.items() if chip == 1] + [(901, x + 9, y)]
+        columns = [(name, kind, list(values)) for name, kind, values in zip(("NUMBER", "X", "Y"), "JDD", zip(*places))]
+        result = self.measure(*self.options(image=self.path("exp.fits:1"), sources=write(
+            self.path("bare.cat"), primary() + table("SOURCES", columns))))
+        self.assertFlagged(result, neighbour={near, 901})
+
     def test_segmentation(self):
         """Who owns a pixel decides, in place of ellipses."""
         near = self.used[0]

@@ -88,7 +88,7 @@ class Validate(Exposure):
     def test_another_catalog_is_told(self):
         options = self.expose()
         with open(self.path("other.fits"), "wb") as file:
-            places = [(40 + 29 * (i % 20), 40 + 27 * (i // 20)) for i in range(320)]
+            places = [(45 + 61 * (i % 10), 47 + 60 * (i // 10)) for i in range(70)]
             file.write(primary() + table("OBJECTS", [("X", "D", [float(x) for x, _ in places]),
                                                      ("Y", "D", [float(y) for _, y in places])]))
         options[options.index("--sources") + 1] = self.path("other.fits")

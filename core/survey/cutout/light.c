@@ -9,8 +9,6 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Half of a mock galaxy's light is within 0.5 to 0.7 R_G, and all of it within R_G + 2.6 R_PSF. */
-static const double psf_radii = 2.6;
 /* The light of another object beyond its isophote. */
 static const double psf_radii_beyond = 2.0;
 
@@ -168,7 +166,7 @@ uint32_t light_find(light *l, double x, double y, double r_gal, int32_t owner) {
     place g = {.x = x + LIGHT_GROW, .y = y + LIGHT_GROW, .owner = owner};
     if (g.owner == 0)
         g.owner = l->owner[middle * wide(l) + middle];
-    g.r = psf_radii * l->r_psf_px;
+    g.r = LIGHT_PSF_RADII * l->r_psf_px;
     g.r = r_gal > 0.0 ? g.r + r_gal : fmax(g.r, extent(l, &g));
     g.r_near = g.r + fmax(LIGHT_GROW, psf_radii_beyond * l->r_psf_px);
     bool near;

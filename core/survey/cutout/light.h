@@ -12,6 +12,10 @@
 
 enum { LIGHT_GROW = 3 }; /* pixels by which other objects are grown */
 
+/* Radius that holds a galaxy's light, beyond its own r_gal, in units of R_PSF: half of a mock
+ * galaxy's light is within 0.5 to 0.7 R_G, and all of it within R_G + 2.6 R_PSF. */
+#define LIGHT_PSF_RADII 2.6
+
 /* A galaxy's box of side x side pixels. */
 typedef struct light {
     int side, frame; /* the stamp is without `frame` pixels on each side */
