@@ -285,7 +285,7 @@ class SameBits(Changed):
 
     @unittest.skipUnless(shutil.which("fpack"), "needs fpack")
     def test_tiles(self):
-        subprocess.run(["fpack", "-g", "-q", "0", self.path("exp.fits")], check=True, timeout=60)
+        subprocess.run(["fpack", "-g", "-q", "0", self.path("exp.fits")], check=True, timeout=600)
         self.assertSame(image=self.path("exp.fits.fz"))
 
     def test_origin(self):

@@ -56,7 +56,7 @@ class Extracted(ExposureTest):
                         [*detect, "-CATALOG_NAME", "stars.cat", "-PARAMETERS_NAME", "stars.param", "-CHECKIMAGE_TYPE",
                          "NONE"],
                         ["psfex", "stars.cat", "-c", "survey.psfex"]):
-            subprocess.run(command, cwd=self.directory, check=True, timeout=60, capture_output=True)
+            subprocess.run(command, cwd=self.directory, check=True, timeout=600, capture_output=True)
         self.compare(self.options(weight=self.path("exp.weight.fits"), mask=self.path("exp.mask.fits"),
                                   segmentation=self.path("exp.seg.fits"), sources=self.path("exp.cat"),
                                   psf=self.path("stars.psf")))

@@ -220,7 +220,7 @@ class EndToEnd(Real):
         subprocess.run([SEXTRACTOR, name("ooi"), "-c", "/dev/null", "-CATALOG_TYPE", "FITS_LDAC", "-CATALOG_NAME", "ooi.cat",
                         "-PARAMETERS_NAME", "columns", "-FILTER", "N", "-DETECT_THRESH", "1.5", "-VERBOSE_TYPE", "QUIET",
                         "-CHECKIMAGE_TYPE", "SEGMENTATION", "-CHECKIMAGE_NAME", "seg.fits"],
-                       cwd=self.directory, check=True, timeout=60)
+                       cwd=self.directory, check=True, timeout=600)
         options = ["--image", name("ooi"), "--weight", name("oow"), "--mask", name("ood"), "--segmentation",
                    self.path("seg.fits"), "--select", "X >= 0", "--stamp", 16, "--psf",
                    path_of("psfex/c4d_170916_045042_ooi_r_ls9-N15-psfex.fits")]

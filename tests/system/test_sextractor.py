@@ -52,7 +52,7 @@ class Catalogs(unittest.TestCase):
                             "-PARAMETERS_NAME", "columns", "-FILTER", "N", "-PHOT_APERTURES", "3,5,8",
                             "-SATUR_LEVEL", "1500", "-DETECT_THRESH", "5", "-BACK_TYPE", "MANUAL", "-BACK_VALUE", "100",
                             "-VERBOSE_TYPE", "QUIET"],
-                           cwd=cls.directory.name, check=True, timeout=60)
+                           cwd=cls.directory.name, check=True, timeout=600)
 
     @classmethod
     def path(cls, name):

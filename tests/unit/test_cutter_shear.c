@@ -14,7 +14,7 @@
 #include <string.h>
 
 enum { ACROSS = 18, PITCH = 120, SIDE = ACROSS * PITCH, N = ACROSS * ACROSS, STAMP = 48 };
-enum { PIXELS = STAMP * STAMP, GROUPS = 9, PSF_SIDE = 25, REACH = 20 };
+enum { PIXELS = STAMP * STAMP, GROUPS = 6, PSF_SIDE = 25, REACH = 20 };
 static const double R_PSF = 1.5;
 static const double SIGMA = 1.0;
 static const double ISOPHOTE = 1.5; /* in SIGMA */
