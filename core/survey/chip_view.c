@@ -48,21 +48,6 @@ static double *psf_image(const exposure *e, const exposure_chip *chip, int64_t i
     return image;
 }
 
-/* Return R_PSF at the first stamp that has a PSF. */
-static double psf_radius(const exposure *e, const exposure_chip *chip) {
-    const shear_psf_model *m = &e->base.models[chip->model];
-    const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
-    double r = NAN;
-    int64_t i = 0;
-    while (i < chip->stamps.n && chip->stamps.flags[i] != 0)
-        i++;
-    return i < chip->stamps.n &&
-                   shear_psf_model_radius(m, chip->stamps.psf_terms + i * chip->stamps.terms, scale,
-                                          &r, NULL) == SHEAR_OK
-               ? r
-               : NAN;
-}
-
 /* Return the lower quartile of FLUX_RADIUS, which is half of r_gal. */
 static double source_quartile(const chip_stamps *s) {
     CLEANUP(release_free)
@@ -95,9 +80,10 @@ int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shea
                          .psf = psf_models_text(e->psf, c->model),
                          .psf_terms = psf_models_get(e->psf, c->model)->terms,
                          .psf_stars = stars > 0 ? stars : -1,
-                         .r_psf_px = psf_radius(e, c),
+                         .r_psf_px = NAN,
                          .source_quartile = source_quartile(&c->stamps)};
     exposure_images_size(e->images, i, &chip->nx, &chip->ny);
+    (void)exposure_r_psf(e, i, &chip->r_psf_px);
     for (int part = 0; part < SHEAR_N_PARTS; part++) {
         chip->hdu[part] = part >= SHEAR_PART_IMAGE && part <= SHEAR_PART_SEGMENTATION
                               ? exposure_images_hdu(e->images, i, (enum shear_part)part)

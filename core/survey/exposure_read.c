@@ -16,11 +16,9 @@ void exposure_let_go(held_chip *h) {
     *h = (held_chip){.chip = -1};
 }
 
-/* Return R_PSF in the middle of a chip, pixels. */
-static double chip_r_psf(const exposure *e, int chip) {
+int exposure_r_psf(const exposure *e, int chip, double *r) {
     int nx;
     int ny;
-    double r = NAN;
     exposure_images_size(e->images, chip, &nx, &ny);
     const chip_stamps *s = &e->chips[chip].stamps;
     const shear_psf_model *m = &e->base.models[e->chips[chip].model];
@@ -34,12 +32,9 @@ static double chip_r_psf(const exposure *e, int chip) {
         }
     }
     const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
-    const int code =
-        nearest >= 0 ? shear_psf_model_radius(m, s->psf_terms + nearest * s->terms, scale, &r, NULL)
-                     : SHEAR_E_PSF;
-    return code == SHEAR_OK        ? r
-           : code == SHEAR_E_NOMEM ? NAN
-                                   : 1.5; /* no stamp of this chip can be measured */
+    return nearest >= 0
+               ? shear_psf_model_radius(m, s->psf_terms + nearest * s->terms, scale, r, NULL)
+               : SHEAR_E_PSF;
 }
 
 int exposure_hold(exposure *e, int chip, shear_error *err) {
@@ -48,13 +43,14 @@ int exposure_hold(exposure *e, int chip, shear_error *err) {
     if (h->chip == chip)
         return SHEAR_OK;
     exposure_let_go(h);
+    double r_psf_px = 1.5; /* if no stamp of this chip can be measured */
+    if (exposure_r_psf(e, chip, &r_psf_px) == SHEAR_E_NOMEM)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF");
     cutter_options options = {.stamp = e->base.info.geometry.nx,
                               .noise_stamps = e->base.info.noise_planes,
                               .noise = e->options.noise,
                               .chip = chip,
-                              .r_psf_px = chip_r_psf(e, chip)};
-    if (isnan(options.r_psf_px))
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF");
+                              .r_psf_px = r_psf_px};
     exposure_images_size(e->images, chip, &options.nx, &options.ny);
     chip_stamps_size_shapes(&e->chips[chip].stamps, options.r_psf_px);
     TRY(chip_pixels_open(&h->pixels, e->images, chip, s->shapes, s->n_shapes, err));

@@ -52,5 +52,8 @@ int exposure_find_chip(const exposure *e, int64_t stamp);
 int exposure_hold(exposure *e, int chip, shear_error *err);
 /* Cut stamp `i` of a chip. */
 int exposure_cut(exposure *e, int chip, int64_t i, cutter_pair *pair, shear_error *err);
+/* Compute R_PSF at the stamp nearest to the middle of a chip, pixels. SHEAR_E_PSF: no stamp of it
+ * has a PSF; SHEAR_E_NOMEM; *r is unchanged then. */
+int exposure_r_psf(const exposure *e, int chip, double *r);
 /* Free the pixels of the chip that is held. */
 void exposure_let_go(held_chip *h);

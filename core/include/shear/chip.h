@@ -36,7 +36,7 @@ typedef struct shear_chip {
     const char *psf;      /**< a line that describes the model */
     int psf_terms;        /**< its coefficients */
     int psf_stars;        /**< stars that it was made from; -1: unknown */
-    double r_psf_px;      /**< R_PSF at the first stamp that has a PSF; NaN: unknown */
+    double r_psf_px;      /**< R_PSF in its middle, pixels; NaN: unknown */
     /** A quarter of the selected sources have a FLUX_RADIUS below it, pixels; NaN: unknown. */
     double source_quartile;
     /** HDUs, from 0, of the images (enum shear_part: image, weight, mask, segmentation); -1: not
