@@ -159,7 +159,8 @@ static void test_stalled_in_a_line(void **state) {
     cl_reply(f, &stalled);
     cl_say(f, &stalled, "{\"jsonrpc\":");
     while (!cl_has_line(&stalled) && !stalled.ended) {
-        cl_push(&stalled, " ", 1);
+        if (asked % 64 == 0) /* a byte a turn makes the line too long first, on a fast machine */
+            cl_push(&stalled, " ", 1);
         ask(f, &other, asked);
         assert_int_equal(cl_reply(f, &other), asked++);
     }
