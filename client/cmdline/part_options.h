@@ -31,8 +31,9 @@
         {.name = "sources", .text = &(parts)->sources}, EXPOSURE_OPTION(parts, "weight-kind"),     \
         EXPOSURE_OPTION(parts, "mask-bad"), EXPOSURE_OPTION(parts, "columns"),                     \
         EXPOSURE_OPTION(parts, "origin"), EXPOSURE_OPTION(parts, "select"),                        \
-        EXPOSURE_OPTION(parts, "psf-kind"), EXPOSURE_OPTION(parts, "stamp"),                       \
-        EXPOSURE_OPTION(parts, "noise-stamps"), EXPOSURE_OPTION(parts, "frame")
+        EXPOSURE_OPTION(parts, "carry"), EXPOSURE_OPTION(parts, "psf-kind"),                       \
+        EXPOSURE_OPTION(parts, "stamp"), EXPOSURE_OPTION(parts, "noise-stamps"),                   \
+        EXPOSURE_OPTION(parts, "frame")
 
 /* The arguments of these options: "FILE", "FILE:HDU", or NULL if not given. Initialize with
  * PART_OPTIONS_INIT. */

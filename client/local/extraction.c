@@ -37,6 +37,8 @@ static shear_field_spec spec_of(const shear_field *field, const char *name, bool
                              .noise_planes = info->noise_planes,
                              .frame = info->frame,
                              .columns = info->columns,
+                             .carried = info->carried,
+                             .n_carried = info->n_carried,
                              .bitpix = -64, /* to the last bit */
                              .overwrite = overwrite};
     spec.n_models = shear_field_get_models(field, &spec.models);
@@ -83,7 +85,8 @@ static int copy_block(extraction *e, shear_field *field, int64_t first, int coun
                                            .gf2 = b->gf2,
                                            .jacobian = b->jacobian,
                                            .psf_terms = b->psf_terms,
-                                           .dropped = b->dropped};
+                                           .dropped = b->dropped,
+                                           .carried = b->carried};
     return shear_field_write(e->writer, first, count, b->galaxy, b->noise, &columns, err);
 }
 

@@ -27,6 +27,7 @@ static const struct {
     {"columns", offsetof(shear_exposure, columns), NULL, 0, 0},
     {"origin", offsetof(shear_exposure, origin), NULL, 0, 1},
     {"select", offsetof(shear_exposure, select), NULL, 0, 0},
+    {"carry", offsetof(shear_exposure, carry), NULL, 0, 0},
     {"psf-kind", offsetof(shear_exposure, psf_kind), psf_kinds, 0, 0},
     {"stamp", offsetof(shear_exposure, stamp), NULL, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE},
     {"noise", offsetof(shear_exposure, noise), noise_kinds, 0, 0},
@@ -62,6 +63,12 @@ static int set_number(int *member, int i, const char *text, shear_error *err) {
     }
     *member = (int)value;
     return SHEAR_OK;
+}
+
+const char **shear_exposure_text(shear_exposure *e, int i) {
+    return options[i].choices == NULL && options[i].max == 0
+               ? (const char **)(void *)((char *)e + options[i].offset)
+               : NULL;
 }
 
 /* Return the number of the option; -1: there is none of that name. */

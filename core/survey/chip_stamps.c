@@ -68,6 +68,7 @@ static int64_t count_wanted(const chip_inputs *in, const places *p) {
 
 static void place_arrays(chip_stamps *s, const source_list *l, size_t n, arena *a) {
     s->id = arena_take(a, n * sizeof *s->id);
+    s->row = arena_take(a, n * sizeof *s->row);
     s->x = arena_doubles(a, n);
     s->y = arena_doubles(a, n);
     s->ra = arena_doubles(a, n);
@@ -99,6 +100,7 @@ static void add_stamp(chip_stamps *s, const chip_inputs *in, const places *p, in
         .x = p->x[i], .y = p->y[i], .ra = p->ra[i], .dec = p->dec[i], .context = context};
     contexts_of_row(in->contexts, l, i, context);
     s->id[k] = l->id[i];
+    s->row[k] = l->row[i];
     s->x[k] = p->x[i];
     s->y[k] = p->y[i];
     s->ra[k] = p->ra[i];

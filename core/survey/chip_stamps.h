@@ -14,6 +14,7 @@
 typedef struct chip_stamps {
     int64_t n;
     int64_t *id;
+    int64_t *row;     /* in the catalog's table, from 0 */
     double *x, *y;    /* pixels, from 1 */
     double *ra, *dec; /* degrees; NaN without a sky map */
     double *weight;   /* NULL if the catalog has none, like r_gal */

@@ -24,14 +24,12 @@ typedef struct opening {
     exposure *e;
     const shear_input *input;
     const int *fds;
-    source_catalog *catalog;
     head_file head;
     source_count sources;
 } opening;
 
 static void opening_deinit(opening *o) {
     head_file_deinit(&o->head);
-    source_catalog_close(o->catalog);
 }
 
 static const shear_input_part *part_of(const opening *o, enum shear_part part) {
@@ -61,6 +59,15 @@ static int open_noise(opening *o, shear_error *err) {
     return exposure_images_open(&o->e->noise_images, &input, o->fds != NULL ? fds : NULL, err);
 }
 
+static int open_carried(exposure *e, shear_error *err) {
+    shear_field_info *info = &e->base.info;
+    TRY(source_catalog_carry(e->catalog, e->options.carry, &e->carried, err));
+    info->n_carried = e->carried.n;
+    info->carried_bytes = e->carried.bytes;
+    info->carried = e->carried.columns;
+    return SHEAR_OK;
+}
+
 static int open_files(opening *o, shear_error *err) {
     exposure *e = o->e;
     const int stamp = e->base.info.geometry.nx;
@@ -69,8 +76,9 @@ static int open_files(opening *o, shear_error *err) {
     TRY(exposure_images_open(&e->images, o->input, o->fds, err));
     TRY(psf_models_open(&e->psf, part_of(o, SHEAR_PART_PSF), fd_of(o, SHEAR_PART_PSF),
                         e->options.psf_kind, stamp, err));
-    TRY(source_catalog_open(&o->catalog, part_of(o, SHEAR_PART_CATALOG),
+    TRY(source_catalog_open(&e->catalog, part_of(o, SHEAR_PART_CATALOG),
                             fd_of(o, SHEAR_PART_CATALOG), &e->options, err));
+    TRY(open_carried(e, err));
     if (part_of(o, SHEAR_PART_WCS)->path != NULL) {
         TRY(head_file_init(&o->head, part_of(o, SHEAR_PART_WCS)->path, fd_of(o, SHEAR_PART_WCS),
                            err));
@@ -91,9 +99,9 @@ static int match_chip(const opening *o, int chip, int *table, int *model, shear_
     const exposure *e = o->e;
     const chip_items tables = {.what = "tables of sources",
                                .file = part_of(o, SHEAR_PART_CATALOG)->path,
-                               .n = source_catalog_tables(o->catalog),
+                               .n = source_catalog_tables(o->e->catalog),
                                .name = table_name,
-                               .self = o->catalog};
+                               .self = o->e->catalog};
     const chip_items models = {.what = "PSF models",
                                .file = part_of(o, SHEAR_PART_PSF)->path,
                                .n = psf_models_count(e->psf),
@@ -151,8 +159,9 @@ static int open_chip(opening *o, int chip, shear_error *err) {
                      part_of(o, SHEAR_PART_WCS)->path, err));
     c->mapped = map != NULL;
     TRY(find_contexts(o, chip, &wanted, err));
-    TRY(source_catalog_load(o->catalog, c->table, wanted.columns, wanted.n_columns, &sources, err));
-    const bool shared = e->n_chips > 1 && source_catalog_tables(o->catalog) == 1;
+    TRY(source_catalog_load(o->e->catalog, c->table, wanted.columns, wanted.n_columns, &sources,
+                            err));
+    const bool shared = e->n_chips > 1 && source_catalog_tables(o->e->catalog) == 1;
     TRY(check_positions(o, &sources, map, shared, err));
     if (shared)
         forget_pixels(&sources);
@@ -169,6 +178,7 @@ static int open_chip(opening *o, int chip, shear_error *err) {
     TRY(noise_match(e, chip, part_of(o, SHEAR_PART_IMAGE)->path, part_of(o, SHEAR_PART_NOISE)->path,
                     &c->noise, err));
     TRY(chip_stamps_init(&c->stamps, &in, err));
+    TRY(source_catalog_carried(e->catalog, c->table, &e->carried, &c->carried, err));
     c->first = e->base.info.n_stamps;
     e->base.info.n_stamps += c->stamps.n;
     if (map == NULL)
@@ -288,9 +298,13 @@ static int describe(opening *o, shear_error *err) {
 static void close_exposure(shear_field *field) {
     exposure *e = exposure_of(field);
     exposure_let_go(&e->held);
-    for (int i = 0; e->chips != NULL && i < e->n_chips; i++)
+    for (int i = 0; e->chips != NULL && i < e->n_chips; i++) {
         chip_stamps_deinit(&e->chips[i].stamps);
+        carry_rows_deinit(&e->chips[i].carried);
+    }
     free(e->chips);
+    carry_list_deinit(&e->carried);
+    source_catalog_close(e->catalog);
     psf_models_close(e->psf);
     exposure_images_close(e->noise_images);
     exposure_images_close(e->images);

@@ -71,7 +71,8 @@ int exposure_find_chip(const exposure *e, int64_t stamp) {
 }
 
 /* Copy what is known without pixels of a stamp. */
-static void fill_columns(const exposure *e, int64_t stamp, shear_block *b, int to) {
+static int fill_columns(const exposure *e, int64_t stamp, shear_block *b, int to,
+                        shear_error *err) {
     const exposure_chip *chip = &e->chips[exposure_find_chip(e, stamp)];
     const chip_stamps *s = &chip->stamps;
     const int64_t from = stamp - chip->first;
@@ -94,13 +95,16 @@ static void fill_columns(const exposure *e, int64_t stamp, shear_block *b, int t
         b->gf1[to] = d.g1;
         b->gf2[to] = d.g2;
     }
+    return b->carried == NULL
+               ? SHEAR_OK
+               : carry_rows_read(&chip->carried, s->row[from],
+                                 b->carried + (size_t)to * (size_t)e->carried.bytes, err);
 }
 
 int exposure_read_columns(shear_field *field, int64_t first, int count, shear_block *block,
                           shear_error *err) {
-    (void)err;
     for (int i = 0; i < count; i++)
-        fill_columns(exposure_of(field), first + i, block, i);
+        TRY(fill_columns(exposure_of(field), first + i, block, i, err));
     return SHEAR_OK;
 }
 
@@ -122,7 +126,7 @@ static int cut(exposure *e, int64_t stamp, shear_block *b, int to, shear_error *
     cutter_pair pair = {.galaxy = b->galaxy + (size_t)to * pixels,
                         .noise = b->noise + (size_t)to * (size_t)info->noise_planes * pixels};
     TRY(exposure_cut(e, chip, from, &pair, err));
-    fill_columns(e, stamp, b, to);
+    TRY(fill_columns(e, stamp, b, to, err));
     b->dropped[to] |= pair.flags;
     return SHEAR_OK;
 }

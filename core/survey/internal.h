@@ -9,6 +9,7 @@
 /* A chip, as far as it is known without its pixels. */
 typedef struct exposure_chip {
     chip_stamps stamps;
+    carry_rows carried;
     int64_t first; /* number of its first stamp */
     int table;     /* of the catalog */
     int model;     /* of the PSF */
@@ -29,6 +30,8 @@ typedef struct exposure {
     shear_exposure options;
     exposure_images *images, *noise_images; /* the second: of SHEAR_NOISE_IMAGE */
     psf_models *psf;
+    source_catalog *catalog;
+    carry_list carried;   /* columns of the catalog */
     exposure_chip *chips; /* [n_chips] */
     int n_chips;
     held_chip held;

@@ -5,18 +5,8 @@
 #include "engine/engine.h"
 
 #include <errno.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The texts of an exposure's options. */
-static const size_t texts[] = {offsetof(shear_exposure, mask_bad),
-                               offsetof(shear_exposure, columns), offsetof(shear_exposure, select)};
-enum { N_TEXTS = sizeof texts / sizeof texts[0] };
-
-static const char **text_at(shear_exposure *e, int i) {
-    return (const char **)(void *)((char *)e + texts[i]);
-}
 
 static bool copy(const char **to, const char *from) {
     *to = from != NULL ? strdup(from) : NULL;
@@ -28,8 +18,10 @@ bool job_files_acquire(job_files *f, const shear_input *input, const int *fds) {
     bool ok = copy(&f->input.path, input->path);
     f->input.mosaic = input->mosaic;
     f->input.exposure = input->exposure;
-    for (int i = 0; i < N_TEXTS; i++)
-        ok = copy(text_at(&f->input.exposure, i), *text_at(&f->input.exposure, i)) && ok;
+    for (int i = 0; i < SHEAR_N_EXPOSURE_OPTIONS; i++) {
+        const char **text = shear_exposure_text(&f->input.exposure, i);
+        ok = (text == NULL || copy(text, *text)) && ok;
+    }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         f->fds[i] = i == 0 || input->path == NULL ? fds[i] : -1;
         f->input.parts[i].hdu = input->parts[i].hdu;
@@ -45,8 +37,10 @@ bool job_files_acquire(job_files *f, const shear_input *input, const int *fds) {
 
 void job_files_close(job_files *f) {
     free((char *)f->input.path);
-    for (int i = 0; i < N_TEXTS; i++)
-        free((char *)*text_at(&f->input.exposure, i));
+    for (int i = 0; i < SHEAR_N_EXPOSURE_OPTIONS; i++) {
+        const char **text = shear_exposure_text(&f->input.exposure, i);
+        free(text != NULL ? (char *)*text : NULL);
+    }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         free((char *)f->input.parts[i].path);
         free((char *)f->input.parts[i].extname);

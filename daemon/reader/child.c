@@ -33,6 +33,7 @@ static int do_open(child *c, reader_reply *reply, shear_error *err) {
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader has a file already");
     TRY(shear_field_open_input(&c->field, &c->input, c->fds, err));
     reply->info = *shear_field_get_info(c->field);
+    reply->info.carried = NULL;
     reply->guards = c->guards;
     return SHEAR_OK;
 }
@@ -43,6 +44,14 @@ static int do_model(child *c, const reader_request *r, reader_reply *reply, shea
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "there is no such PSF model");
     reply->model = models[r->first];
     reply->model.samples = NULL;
+    return SHEAR_OK;
+}
+
+static int do_carried(child *c, const reader_request *r, reader_reply *reply, shear_error *err) {
+    const shear_field_info *info = shear_field_get_info(c->field);
+    if (r->first < 0 || r->first >= info->n_carried)
+        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "there is no such carried column");
+    reply->carried = info->carried[r->first];
     return SHEAR_OK;
 }
 
@@ -98,6 +107,8 @@ static int answer(child *c, const reader_request *r, reader_reply *reply) {
         return do_map(c, r, err);
     case READER_MODEL:
         return do_model(c, r, reply, err);
+    case READER_CARRIED:
+        return do_carried(c, r, reply, err);
     case READER_PSF:
         return shear_field_read_psf(c->field, r->first, (double *)(void *)c->memory, err);
     case READER_STAMPS:

@@ -26,5 +26,6 @@ struct reader {
     int slots, capacity;
     shear_psf_model *models; /* [info.n_models] once they have been read */
     double *samples;         /* of all models */
+    shear_carried *carried;  /* [info.n_carried] */
     shear_block *blocks;     /* [slots] views into the shared memory */
 };

@@ -39,6 +39,27 @@ static int launch(reader *r, const shear_input *input, const int *fds,
     return rc;
 }
 
+/* Read the descriptions of carried columns, and check that they are those of the rows. */
+static int read_carried(reader *r, shear_error *err) {
+    static const char what[] = "describe the catalog's columns";
+    int bytes = 0;
+    r->carried = calloc((size_t)r->info.n_carried + 1, sizeof *r->carried);
+    if (r->carried == NULL)
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a catalog's columns");
+    for (int i = 0; i < r->info.n_carried; i++) {
+        const reader_request request = {.op = READER_CARRIED, .first = i};
+        reader_reply reply;
+        TRY(exchange_ask(r, &request, what, &reply, err));
+        if (!validate_carried(&reply.carried))
+            return exchange_give_up(r, READER_E_PROTOCOL, what, err);
+        r->carried[i] = reply.carried;
+        bytes += reply.carried.bytes;
+    }
+    r->info.carried = r->carried;
+    return bytes == r->info.carried_bytes ? SHEAR_OK
+                                          : exchange_give_up(r, READER_E_PROTOCOL, what, err);
+}
+
 static int open_field(reader *r, shear_error *err) {
     static const char what[] = "open the file";
     const reader_request request = {.op = READER_OPEN};
@@ -48,7 +69,7 @@ static int open_field(reader *r, shear_error *err) {
         return exchange_give_up(r, READER_E_PROTOCOL, what, err);
     r->info = reply.info;
     r->guards = reply.guards;
-    return SHEAR_OK;
+    return read_carried(r, err);
 }
 
 CLEANUP_DEFINE(reader, reader_stop)
@@ -89,6 +110,7 @@ void reader_stop(reader *r) {
     scratch_close(&r->scratch);
     free(r->models);
     free(r->samples);
+    free(r->carried);
     free(r->blocks);
     free(r);
 }

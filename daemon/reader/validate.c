@@ -2,6 +2,7 @@
 #include "reader/validate.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool in_range(int64_t value, int64_t low, int64_t high) {
@@ -15,7 +16,7 @@ static bool hdus_are_valid(const shear_field_info *info) {
     return valid;
 }
 
-static bool name_is_valid(const char *name) {
+static bool text_is_valid(const char *name) {
     while (*name >= ' ' && *name <= '~')
         name++;
     return *name == '\0';
@@ -54,10 +55,43 @@ bool validate_model(const shear_psf_model *m, const shear_field_info *info) {
            m->step < 1e9 && in_range(m->lanczos, 0, 32);
 }
 
+/* Terminate the text, and return whether it is printable. */
+static bool end_text(char *text, size_t size) {
+    text[size - 1] = '\0';
+    return text_is_valid(text);
+}
+
+/* Return whether the form is a count and a letter that make this width. */
+static bool form_is_valid(const char *form, int64_t bytes) {
+    static const char types[] = "LBIJKAEDCMX";
+    static const int bits[] = {8, 8, 16, 32, 64, 8, 32, 64, 64, 128, 1};
+    char *type = NULL;
+    const long long repeat = strtoll(form, &type, 10);
+    const char *known = type != form && *type != '\0' ? strchr(types, *type) : NULL;
+    return known != NULL && type[1] == '\0' && in_range(repeat, 1, INT64_C(1) << 20) &&
+           (repeat * bits[known - types] + 7) / 8 == bytes;
+}
+
+bool validate_carried(shear_carried *c) {
+    return end_text(c->name, sizeof c->name) && c->name[0] != '\0' &&
+           end_text(c->form, sizeof c->form) && end_text(c->unit, sizeof c->unit) &&
+           end_text(c->null, sizeof c->null) && end_text(c->scale, sizeof c->scale) &&
+           end_text(c->zero, sizeof c->zero) && in_range(c->bytes, 1, SHEAR_MAX_CARRIED_BYTES) &&
+           form_is_valid(c->form, c->bytes);
+}
+
+/* What is said of pointers is not believed. */
+static bool carried_is_valid(shear_field_info *info) {
+    info->carried = NULL;
+    return in_range(info->n_carried, 0, SHEAR_MAX_CARRIED) &&
+           in_range(info->carried_bytes, info->n_carried, SHEAR_MAX_CARRIED_BYTES) &&
+           (info->n_carried > 0 || info->carried_bytes == 0);
+}
+
 bool validate_info(shear_field_info *info) {
     const shear_geometry *g = &info->geometry;
     info->name[sizeof info->name - 1] = '\0';
-    return name_is_valid(info->name) && in_range(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
+    return text_is_valid(info->name) && in_range(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
            in_range(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) && in_range(g->psf_nx, 1, 4096) &&
            in_range(g->psf_ny, 1, 4096) && g->psf_oversample >= SHEAR_MIN_PSF_OVERSAMPLE &&
            g->psf_oversample <= SHEAR_MAX_PSF_OVERSAMPLE &&
@@ -66,7 +100,7 @@ bool validate_info(shear_field_info *info) {
            in_range(info->layout, SHEAR_LAYOUT_CUBE, SHEAR_LAYOUT_MOSAIC) &&
            in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_MODELS) &&
            in_range(info->noise_planes, 1, SHEAR_MAX_NOISE_PLANES) && models_are_valid(info) &&
-           frame_is_valid(info) && hdus_are_valid(info);
+           frame_is_valid(info) && hdus_are_valid(info) && carried_is_valid(info);
 }
 
 bool validate_checksum(const char text[SHEAR_CHECKSUM_SIZE]) {

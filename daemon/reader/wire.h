@@ -34,12 +34,13 @@ enum {
     READER_ARGS_PARTS = READER_ARG_FIRST_OPTION + SHEAR_N_EXPOSURE_OPTIONS
 };
 
-enum { READER_WIRE_VERSION = 4 };
+enum { READER_WIRE_VERSION = 5 };
 
 enum reader_op {
     READER_OPEN = 1, /* open the field: -> info */
     READER_MAP,      /* map the shared memory, which has been sized for these numbers */
     READER_MODEL,    /* describe PSF model `first` -> model, without its samples */
+    READER_CARRIED,  /* describe carried column `first` -> carried */
     READER_PSF,      /* read PSF image `first` into the PSF area */
     READER_STAMPS,   /* read stamp pairs [first, first+count) into slot */
     READER_COLUMNS,  /* the same without pixels, into slot 0 */
@@ -66,4 +67,5 @@ typedef struct reader_reply {
     shear_error error;                  /* if code is not 0 */
     shear_field_info info;              /* READER_OPEN */
     shear_psf_model model;              /* READER_MODEL */
+    shear_carried carried;              /* READER_CARRIED */
 } reader_reply;

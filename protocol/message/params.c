@@ -44,7 +44,7 @@ MSG_PART(exposure, EXPOSURE_FILE(image, MSG_REQUIRED), EXPOSURE_FILE(sources, MS
          EXPOSURE_FILE(psf, MSG_REQUIRED), EXPOSURE_FILE(weight, 0), OPTION_TEXT(weight_kind),
          EXPOSURE_FILE(mask, 0), OPTION_TEXT(mask_bad), EXPOSURE_FILE(segmentation, 0),
          EXPOSURE_FILE(wcs, 0), OPTION_TEXT(columns), OPTION_NUMBER(origin, 0, 1),
-         OPTION_TEXT(select), OPTION_TEXT(psf_kind),
+         OPTION_TEXT(select), OPTION_TEXT(carry), OPTION_TEXT(psf_kind),
          OPTION_NUMBER(stamp, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE), OPTION_TEXT(noise),
          EXPOSURE_FILE(noise_image, 0), OPTION_NUMBER(noise_stamps, 1, SHEAR_MAX_NOISE_PLANES),
          OPTION_TEXT(frame));
@@ -132,6 +132,7 @@ static const struct {
     {"columns", "columns", offsetof(sheard_msg_exposure, columns), false},
     {"origin", "origin", offsetof(sheard_msg_exposure, origin), true},
     {"select", "select", offsetof(sheard_msg_exposure, select), false},
+    {"carry", "carry", offsetof(sheard_msg_exposure, carry), false},
     {"psf_kind", "psf-kind", offsetof(sheard_msg_exposure, psf_kind), false},
     {"stamp", "stamp", offsetof(sheard_msg_exposure, stamp), true},
     {"noise", "noise", offsetof(sheard_msg_exposure, noise), false},

@@ -9,6 +9,7 @@ import unittest
 
 import fitsfile
 from daemon import SLOW, SLOW_OPTIONS, FINAL, DaemonTest, content_of, mock, numbers, stamps_for, until
+from test_carried import cells as table_cells
 from test_daemon_access import OTHER, as_user
 from tool import SHEARCTL
 
@@ -79,6 +80,22 @@ class Exposures(DaemonTest):
         self.assertEqual(numbers(job["result"]), numbers(expected))
         self.assertEqual(job["result"]["resolved"], expected["resolved"])
         self.assertEqual(job["checksum"], expected["files"][0]["checksum"])
+
+
+class Catalogs(Exposures):
+    settings = {"catalogues.enabled": "true"}
+
+    def test_columns_are_carried(self):
+        """The catalog of a job is that of `measure`, with the columns of its sources."""
+        exposure = self.expose(chips="1x1", carry="FLUX,CHIP,IS_STAR,X,FLUX")
+        path = os.path.join(self.directory, "local.shear.fits")
+        measured_exposure(exposure, "--catalog", path)
+        job = self.submit(exposure)
+        self.assertEqual((job["state"], job["message"]), ("done", None))
+        ours, local = (table_cells(fitsfile.hdus(content_of(p))[-1][1]) for p in
+                       (self.d.path(f"catalogues/{job['id']}.shear.fits"), path))
+        self.assertEqual(list(ours)[-4:], ["CAT_FLUX", "CHIP", "IS_STAR", "CAT_X"])
+        self.assertEqual(ours, local)
 
 
 class Ways(Exposures):

@@ -15,11 +15,22 @@
 /* More rows than CFITSIO has buffers for. */
 enum { N = 4000, CHUNK = 16 };
 static const unsigned columns = SHEAR_COL_ID | SHEAR_COL_X;
+static const shear_carried carried[] = {{.name = "ZBIN", .form = "1J", .bytes = 4},
+                                        {.name = "TILE", .form = "9A", .unit = "name", .bytes = 9}};
+enum { N_CARRIED = 2, CARRIED_BYTES = 13 };
 static const char sum[] = "0123456789abcdef0123456789abcdef";
+
+static shear_field_info info_of(int64_t n) {
+    shear_field_info info = catalog_info(n, columns);
+    info.n_carried = N_CARRIED;
+    info.carried_bytes = CARRIED_BYTES;
+    info.carried = carried;
+    return info;
+}
 
 /* Rows [first, end), or wrong ones in their place. */
 static void write_rows(shear_catalog *c, int64_t first, int64_t end, bool wrong) {
-    const shear_field_info info = catalog_info(N, columns);
+    const shear_field_info info = info_of(N);
     shear_block *b = NULL;
     shear_error err = {0};
     assert_int_equal(shear_block_new(&b, &info, CHUNK, &err), SHEAR_OK);
@@ -31,6 +42,7 @@ static void write_rows(shear_catalog *c, int64_t first, int64_t end, bool wrong)
             rows[k] = catalog_row(i);
             b->id[k] = i * 5000000000;
             b->x[k] = fixture_column(SHEAR_COL_X, i);
+            memset(b->carried + (size_t)k * CARRIED_BYTES, (int)(i % 251), CARRIED_BYTES);
         }
         if (shear_catalog_write(c, at, count, rows, b, &err) != SHEAR_OK)
             fail_msg("%s", err.message);
@@ -39,7 +51,7 @@ static void write_rows(shear_catalog *c, int64_t first, int64_t end, bool wrong)
 }
 
 static shear_catalog *begin(const char *path) {
-    const shear_field_info info = catalog_info(N, columns);
+    const shear_field_info info = info_of(N);
     shear_catalog *c = NULL;
     shear_error err = {0};
     if (shear_catalog_begin(&c, path, &info, sum, &err) != SHEAR_OK)
@@ -48,7 +60,7 @@ static shear_catalog *begin(const char *path) {
 }
 
 static shear_catalog *resume(const char *path, int64_t rows) {
-    const shear_field_info info = catalog_info(N, columns);
+    const shear_field_info info = info_of(N);
     shear_catalog *c = NULL;
     shear_error err = {0};
     if (shear_catalog_resume(&c, path, &info, sum, rows, &err) != SHEAR_OK)
@@ -71,7 +83,7 @@ static void finish(shear_catalog *c) {
 
 /* The file of a process that nothing interrupts, as `shearctl measure` makes it. */
 static void write_whole(const char *path) {
-    const shear_field_info info = catalog_info(N, columns);
+    const shear_field_info info = info_of(N);
     shear_catalog *c = NULL;
     shear_error err = {0};
     assert_int_equal(shear_catalog_create(&c, path, &info, true, &err), SHEAR_OK);
@@ -169,7 +181,7 @@ static void what_cannot_be_gone_on_with(void **state) {
     (void)state;
     char path[256];
     snprintf(path, sizeof path, "%s", fixture_path("refused.fits"));
-    const shear_field_info info = catalog_info(N, columns);
+    const shear_field_info info = info_of(N);
     refused(path, &info, sum, 16, SHEAR_E_IO); /* nothing is there */
     write_and_die(path, 0, 160);
     refused(path, &info, "another sum", 160, SHEAR_E_FORMAT);

@@ -107,9 +107,60 @@ static void models(void **state) {
     WRONG(axes, SHEAR_PSF_AXES_SKY);
 }
 
+static shear_carried good_column(void) {
+    return (shear_carried){.name = "MAG", .form = "3E", .unit = "mag", .null = "-1", .bytes = 12};
+}
+
+#define BAD(member, value)                                                                         \
+    do {                                                                                           \
+        shear_carried bad = good_column();                                                         \
+        bad.member = (value);                                                                      \
+        assert_false(validate_carried(&bad));                                                      \
+    } while (0)
+
+static void carried(void **state) {
+    (void)state;
+    static const struct {
+        const char *form;
+        int bytes;
+        bool good;
+    } forms[] = {{"1J", 4, true},    {"12A", 12, true}, {"11X", 2, true},  {"1M", 16, true},
+                 {"11X", 11, false}, {"1P", 8, false},  {"J", 4, false},   {"-1J", 4, false},
+                 {"3", 3, false},    {"1JJ", 4, false}, {"1048577B", 1, false}};
+    shear_carried c = good_column();
+    assert_true(validate_carried(&c));
+    memset(c.unit, 'x', sizeof c.unit); /* no NUL */
+    assert_true(validate_carried(&c));
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
+        c = good_column();
+        strcpy(c.form, forms[i].form);
+        c.bytes = forms[i].bytes;
+        assert_int_equal(validate_carried(&c), forms[i].good);
+    }
+    BAD(name[0], '\0');
+    BAD(name[1], '\n');
+    BAD(unit[0], '\x80');
+    BAD(zero[0], '\t');
+    BAD(bytes, 0);
+    BAD(bytes, 13);
+    BAD(bytes, INT32_MIN);
+    shear_field_info info = good_info();
+    info.n_carried = 2;
+    info.carried_bytes = 16;
+    info.carried = &c;
+    assert_true(validate_info(&info));
+    assert_null(info.carried); /* a pointer of the child's */
+    REFUSED(n_carried, 1);     /* of no bytes */
+    REFUSED(n_carried, -1);
+    REFUSED(carried_bytes, 1); /* of no column */
+    REFUSED(carried_bytes, SHEAR_MAX_CARRIED_BYTES + 1);
+    REFUSED(n_carried, SHEAR_MAX_CARRIED + 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(infos),
+        cmocka_unit_test(carried),
         cmocka_unit_test(models),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,15 +3,16 @@
 #pragma once
 
 #include "base/cleanup.h"
-#include "fits/field/columns.h"
 #include "fits/io/bitset.h"
 #include "fits/io/output.h"
+#include "fits/schema/layout.h"
 #include "shear/catalog.h"
 
 struct shear_catalog {
     sf_output out;
     int64_t n;
-    unsigned columns; /* of the field file */
+    unsigned columns;  /* of the field file */
+    int carried_bytes; /* of a row of carried columns */
     bool id_unsigned; /* its ids are unsigned numbers of 64 bits, stored as bits */
     sf_bitset written;
     int64_t kept;   /* number of rows that its header declares to be on disk */
@@ -28,8 +29,8 @@ int sf_catalog_new(shear_catalog **c, const char *path, const shear_field_info *
  * outlives its process (which replaces any other), or NULL. *c is NULL on error. */
 int sf_catalog_begin(shear_catalog **c, const char *path, const shear_field_info *info,
                      const char *kept_for, bool overwrite, shear_error *err);
-/* Return the columns of a catalog for a field file with these columns. */
-sf_layout sf_catalog_layout(unsigned columns);
+/* Make the columns of a catalog for such a field, {0} before; those carried are borrowed. */
+void sf_catalog_layout(sf_layout *l, const shear_field_info *info);
 /* Fail unless the CFITSIO status is 0: "cannot be written". */
 int sf_catalog_check(const shear_catalog *c, int status, shear_error *err);
 

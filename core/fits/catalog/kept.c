@@ -2,8 +2,8 @@
 /* Write result catalogs of work that outlives its process: begin, resume, sync, suspend. */
 #include "base/cleanup.h"
 #include "fits/catalog/internal.h"
-#include "fits/catalog/schema.h"
 #include "fits/header/table.h"
+#include "fits/schema/result_columns.h"
 
 #include <string.h>
 
@@ -20,6 +20,7 @@ int shear_catalog_begin(shear_catalog **catalog, const char *path, const shear_f
 /* What the file must contain. */
 typedef struct expected {
     shear_catalog *catalog;
+    const shear_field_info *info;
     const char *checksum;
     int64_t rows;
 } expected;
@@ -39,8 +40,9 @@ static int check_keys(const expected *e, const sf_cards *cards, shear_error *err
     return SHEAR_OK;
 }
 
-static bool has_columns(const sf_table *table, unsigned columns) {
-    const sf_layout l = sf_catalog_layout(columns);
+static bool has_columns(const sf_table *table, const shear_field_info *info) {
+    sf_layout l = {0};
+    sf_catalog_layout(&l, info);
     bool same = table->n == l.n;
     for (int i = 0; i < l.n && same; i++)
         same = strcmp(table->columns[i].name, l.names[i]) == 0;
@@ -63,7 +65,7 @@ static int check_file(const char *path, void *context, shear_error *err) {
     TRY(sf_cards_init(&cards, &file, hdu, SF_CATALOG_HDU, err));
     TRY(sf_table_init(&table, &cards, err));
     TRY(check_keys(e, &cards, err));
-    return has_columns(&table, e->catalog->columns)
+    return has_columns(&table, e->info)
                ? SHEAR_OK
                : not_usable(e->catalog, "its table has another shape", err);
 }
@@ -76,7 +78,7 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
     CLEANUP(suspended_release) shear_catalog *c = NULL; /* a file that cannot be resumed is kept */
     *catalog = NULL;
     TRY(sf_catalog_new(&c, path, info, err));
-    expected e = {c, checksum, rows};
+    expected e = {c, info, checksum, rows};
     char name[] = SF_CATALOG_HDU;
     int status = 0;
     TRY(sf_output_reopen(&c->out, path, check_file, &e, err));

@@ -3,9 +3,9 @@
 
 #include "base/cleanup.h"
 #include "base/text.h"
-#include "fits/catalog/schema.h"
 #include "fits/field/name.h"
 #include "fits/io/output.h"
+#include "fits/schema/result_columns.h"
 #include "measure/result.h"
 #include "shear/version.h"
 

@@ -2,8 +2,8 @@
 /* Read result catalogs. */
 #include "base/cleanup.h"
 #include "fits/catalog/keywords.h"
-#include "fits/catalog/schema.h"
 #include "fits/header/table.h"
+#include "fits/schema/result_columns.h"
 
 #include <math.h>
 #include <stdlib.h>

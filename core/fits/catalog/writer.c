@@ -3,24 +3,26 @@
 #include "base/array.h"
 
 #include "base/cleanup.h"
+#include "fits/carry/carry_rows.h"
 #include "fits/catalog/internal.h"
 #include "fits/catalog/keywords.h"
-#include "fits/catalog/schema.h"
-#include "fits/field/columns.h"
+#include "fits/schema/field_columns.h"
+#include "fits/schema/result_columns.h"
 
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-sf_layout sf_catalog_layout(unsigned columns) {
-    sf_layout l = {0};
-    sf_layout_add_columns(&l, columns & SF_CATALOG_COPIED, 0);
+enum { CARRIED_CARDS = 7 }; /* of a carried column, at most */
+
+void sf_catalog_layout(sf_layout *l, const shear_field_info *info) {
+    sf_layout_add_columns(l, info->columns & SF_CATALOG_COPIED, 0);
     for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
         const sf_member *m = &sf_catalog_members[i];
-        sf_layout_add(&l, m->name, m->form, m->unit, m->comment);
+        sf_layout_add(l, m->name, m->form, m->unit, m->comment);
     }
-    return l;
+    sf_layout_add_carried(l, info->carried, info->n_carried);
 }
 
 int sf_catalog_check(const shear_catalog *c, int status, shear_error *err) {
@@ -33,7 +35,8 @@ static int create_table(shear_catalog *c, const shear_field_info *info, const ch
                         shear_error *err) {
     fitsfile *f = c->out.fits;
     int status = 0;
-    sf_layout l = sf_catalog_layout(c->columns);
+    sf_layout l = {0};
+    sf_catalog_layout(&l, info);
     fits_create_img(f, BYTE_IMG, 0, NULL, &status);
     fits_create_tbl(f, BINARY_TBL, c->n, l.n, l.names, l.forms, l.units, SF_CATALOG_HDU, &status);
     for (int i = 0; i < l.n; i++) {
@@ -45,12 +48,13 @@ static int create_table(shear_catalog *c, const shear_field_info *info, const ch
         fits_write_record(f, "TZERO1  =  9223372036854775808 / unsigned numbers of 64 bits",
                           &status);
     }
+    carry_write_keys(f, info->carried, info->n_carried, l.n - info->n_carried + 1, &status);
     sf_catalog_write_field(f, info, &status);
     if (kept_for != NULL) {
         fits_write_key_str(f, SF_KEPT_FOR, kept_for, "unfinished: the input's checksum", &status);
         fits_write_key_lng(f, SF_KEPT_ROWS, 0, "unfinished: rows that are on disk", &status);
     }
-    fits_set_hdrsize(f, SF_CATALOG_CARDS, &status);
+    fits_set_hdrsize(f, SF_CATALOG_CARDS + CARRIED_CARDS * info->n_carried, &status);
     return sf_catalog_check(c, status, err);
 }
 
@@ -63,6 +67,7 @@ int sf_catalog_new(shear_catalog **catalog, const char *path, const shear_field_
     c->out.directory = -1;
     c->n = info->n_stamps;
     c->columns = info->columns;
+    c->carried_bytes = info->carried_bytes;
     c->id_unsigned = info->id_unsigned;
     if (!sf_bitset_init(&c->written, info->n_stamps))
         return sf_fail_memory(err, (sf_place){path, NULL});
@@ -146,6 +151,8 @@ int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_
     int column = write_copied(c, first, count, block, &status);
     for (int i = 0; i < SF_CATALOG_MEMBERS; i++)
         write_member(c, first, count, rows, &sf_catalog_members[i], ++column, &status);
+    if (c->carried_bytes > 0)
+        carry_write_rows(c->out.fits, first, count, block->carried, c->carried_bytes, &status);
     TRY(sf_catalog_check(c, status, err));
     sf_bitset_add(&c->written, first, count);
     return SHEAR_OK;

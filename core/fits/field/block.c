@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Allocate a shear_block: memory for stamps, one allocation laid out as arrays. */
-#include "fits/field/columns.h"
+#include "fits/schema/field_columns.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -51,6 +51,8 @@ static size_t lay_out(shear_block *b, const shear_field_info *info, int capacity
         b->psf_id = place(base, &at, n * sizeof *b->psf_id);
     }
     place_columns(b, info, base, &at);
+    if (info->carried_bytes > 0)
+        b->carried = place(base, &at, n * (size_t)info->carried_bytes);
     b->stamps = (shear_stamps){.nx = g->nx,
                                .ny = g->ny,
                                .galaxy = b->galaxy,

@@ -191,6 +191,20 @@ static int check_noise(const field_file *f, shear_error *err) {
                    g->ny);
 }
 
+/* Carry what else is in the catalog. */
+static int open_carried(field_file *f, shear_error *err) {
+    shear_field_info *info = &f->base.info;
+    if (f->catalog.table.cards == NULL)
+        return SHEAR_OK;
+    TRY(carry_list_init(&f->carried, &f->catalog.table, "all", true, err));
+    TRY(carry_rows_init(&f->carried_rows, &f->carried, &f->catalog.table, f->catalog.cards.at,
+                        err));
+    info->n_carried = f->carried.n;
+    info->carried_bytes = f->carried.bytes;
+    info->carried = f->carried.columns;
+    return SHEAR_OK;
+}
+
 static void fill_info(field_file *f) {
     shear_field_info *info = &f->base.info;
     info->geometry.nx = f->galaxy.nx;
@@ -222,12 +236,15 @@ static int open_field(field_file *f, const shear_input *input, const int *fds, s
     TRY(check_noise(f, err));
     TRY(sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err));
     fill_info(f);
+    TRY(open_carried(f, err));
     TRY(check_frame(f, err));
     return open_psf(f, err);
 }
 
 static void close_file(shear_field *field) {
     field_file *f = field_file_of(field);
+    carry_rows_deinit(&f->carried_rows);
+    carry_list_deinit(&f->carried);
     sf_columns_deinit(&f->catalog);
     sf_image_deinit(&f->psf);
     sf_stamps_deinit(&f->noise);

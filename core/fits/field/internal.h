@@ -2,6 +2,7 @@
 /* fits/field/internal.h: the members of an open field file. */
 #pragma once
 
+#include "fits/carry/carry_rows.h"
 #include "fits/field/columns.h"
 #include "fits/field/parts.h"
 #include "fits/field/reader.h"
@@ -13,6 +14,8 @@ typedef struct field_file {
     sf_stamps galaxy, noise;
     sf_image psf;
     sf_columns catalog;
+    carry_list carried; /* other columns of the catalog */
+    carry_rows carried_rows;
     double *samples; /* of all PSF models; NULL: PSFs are images */
 } field_file;
 

@@ -58,6 +58,14 @@ static int read_psf(field_file *f, int64_t first, int count, shear_block *block,
     }
 }
 
+static int read_carried(field_file *f, int64_t first, int count, shear_block *block,
+                        shear_error *err) {
+    const size_t bytes = (size_t)f->base.info.carried_bytes;
+    for (int i = 0; i < count && bytes > 0; i++)
+        TRY(carry_rows_read(&f->carried_rows, first + i, block->carried + (size_t)i * bytes, err));
+    return SHEAR_OK;
+}
+
 static int read_catalog(field_file *f, int64_t first, int count, shear_block *block,
                         shear_error *err) {
     for (const sf_column_def *def = sf_column_defs; def < sf_column_defs + SF_COLUMNS; def++) {
@@ -75,6 +83,7 @@ int field_file_read_columns(shear_field *field, int64_t first, int count, shear_
     const sf_column_def *id = &sf_column_defs[__builtin_ctz(SHEAR_COL_PSF_ID)];
     if (field->info.psf_layout == SHEAR_PSF_MODELS)
         TRY(sf_columns_read(&f->catalog, id, first, count, block->psf_index, err));
+    TRY(read_carried(f, first, count, block, err));
     return read_catalog(f, first, count, block, err);
 }
 

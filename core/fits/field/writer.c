@@ -2,11 +2,13 @@
 /* Write field files. All HDUs are created at once with their final sizes, so that stamps may be
  * written in any order. */
 #include "base/cleanup.h"
-#include "fits/field/columns.h"
+#include "fits/carry/carry_rows.h"
 #include "fits/field/models.h"
 #include "fits/field/name.h"
 #include "fits/io/bitset.h"
 #include "fits/io/output.h"
+#include "fits/schema/field_columns.h"
+#include "fits/schema/layout.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,6 +19,7 @@ struct shear_field_writer {
     sf_output out;
     shear_field_spec spec;  /* without its pointers */
     int terms;              /* of a PSF model */
+    int carried_bytes;      /* of a row of carried columns */
     int64_t columns;        /* stamps per row of the mosaic */
     sf_bitset stamps, psfs; /* written so far */
 };
@@ -161,14 +164,17 @@ static int create_psf(shear_field_writer *w, shear_error *err) {
     return result(w, "PSF", status, err);
 }
 
-static int create_catalog(shear_field_writer *w, shear_error *err) {
+static int create_catalog(shear_field_writer *w, const shear_field_spec *spec, shear_error *err) {
     sf_layout l = {0};
     int status = 0;
-    sf_layout_add_columns(&l, w->spec.columns, w->terms);
+    sf_layout_add_columns(&l, spec->columns, w->terms);
+    const int first = l.n + 1;
+    sf_layout_add_carried(&l, spec->carried, spec->n_carried);
     if (l.n == 0)
         return SHEAR_OK;
     fits_create_tbl(w->out.fits, BINARY_TBL, w->spec.n_stamps, l.n, l.names, l.forms, l.units,
                     "CATALOG", &status);
+    carry_write_keys(w->out.fits, spec->carried, spec->n_carried, first, &status);
     return result(w, "CATALOG", status, err);
 }
 
@@ -194,6 +200,9 @@ int shear_field_create(shear_field_writer **writer, const char *path, const shea
     w->terms = model_terms(spec);
     w->spec.models = NULL;
     w->spec.history = NULL;
+    w->spec.carried = NULL;
+    for (int i = 0; i < spec->n_carried; i++)
+        w->carried_bytes += spec->carried[i].bytes;
     w->columns = spec->mosaic_columns > 0 ? spec->mosaic_columns
                                           : (int64_t)ceil(sqrt((double)spec->n_stamps));
     if (!sf_bitset_init(&w->stamps, spec->n_stamps) || !sf_bitset_init(&w->psfs, spec->n_psf))
@@ -203,7 +212,7 @@ int shear_field_create(shear_field_writer **writer, const char *path, const shea
     TRY(create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err));
     TRY(create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err));
     TRY(create_psf(w, err));
-    TRY(create_catalog(w, err));
+    TRY(create_catalog(w, spec, err));
     TRY(create_models(w, spec, err));
     *writer = CLEANUP_TAKE(w);
     return SHEAR_OK;
@@ -245,6 +254,8 @@ static int write_catalog(shear_field_writer *w, int64_t first, int count,
         const int64_t numbers = (int64_t)count * sf_column_repeat(def, w->terms);
         fits_write_col(w->out.fits, type, ++column, first + 1, 1, numbers, values, &status);
     }
+    if (w->carried_bytes > 0)
+        carry_write_rows(w->out.fits, first, count, c->carried, w->carried_bytes, &status);
     return result(w, "CATALOG", status, err);
 }
 
@@ -259,7 +270,7 @@ int shear_field_write(shear_field_writer *w, int64_t first, int count, const dou
     const int64_t planes = noise_planes(&w->spec);
     TRY(write_stamps(w, HDU_GALAXY, first, count, galaxy, err));
     TRY(write_stamps(w, HDU_NOISE, planes * first, planes * count, noise, err));
-    if (w->spec.columns != 0)
+    if (w->spec.columns != 0 || w->spec.n_carried > 0)
         TRY(write_catalog(w, first, count, columns != NULL ? columns : &none, err));
     sf_bitset_add(&w->stamps, first, count);
     return SHEAR_OK;

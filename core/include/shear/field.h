@@ -67,6 +67,23 @@ enum {
     SHEAR_FIELD_NAME_SIZE = 72 /**< bytes of a field's name, including its NUL */
 };
 
+/** A column of the input's table that is carried to results: its cells go there as the bytes that
+ * they are stored in. Texts are those of FITS keywords, printable; "" = absent. */
+typedef struct shear_carried {
+    char name[72];  /**< TTYPE in results */
+    char form[24];  /**< TFORM, such as "1J" or "16A" */
+    char unit[72];  /**< TUNIT */
+    char null[24];  /**< TNULL */
+    char scale[32]; /**< TSCAL */
+    char zero[32];  /**< TZERO */
+    int bytes;      /**< of a cell */
+} shear_carried;
+/** Limits of carried columns. */
+enum {
+    SHEAR_MAX_CARRIED = 900,       /**< columns */
+    SHEAR_MAX_CARRIED_BYTES = 8192 /**< bytes of a row of them */
+};
+
 /** The properties of an open field. */
 typedef struct shear_field_info {
     char name[SHEAR_FIELD_NAME_SIZE]; /**< FIELD, or the file's base name without .fits, .gz, .fz;
@@ -86,6 +103,9 @@ typedef struct shear_field_info {
     enum shear_layout layout;         /**< of GALAXY */
     enum shear_psf_layout psf_layout; /**< which PSF image belongs to a stamp */
     unsigned columns;                 /**< bits of enum shear_column */
+    int n_carried;                    /**< other columns of the table, carried to results */
+    int carried_bytes;                /**< bytes of a row of them */
+    const shear_carried *carried;     /**< [n_carried]; the field's */
     bool id_unsigned;                 /**< column ID is unsigned, of 64 bits: ids hold the bits */
     int bitpix;                       /**< of GALAXY as stored: 8, 16, 32, 64, -32, -64 */
     bool compressed;                  /**< GALAXY is tile-compressed */
@@ -153,6 +173,7 @@ typedef struct shear_block {
     double *jacobian;  /**< [capacity][4] column JACOBIAN */
     double *psf_terms; /**< [capacity][info.psf_terms] column PSF_TERMS */
     uint32_t *dropped; /**< [capacity] column DROPPED */
+    uint8_t *carried;  /**< [capacity][info.carried_bytes] cells of carried columns */
     void *memory;      /**< what shear_block_free() frees; NULL if the caller owns the memory */
 } shear_block;
 /** Allocate a block for `capacity` pairs; *block is NULL on error. */
@@ -246,6 +267,8 @@ typedef struct shear_field_spec {
     int n_models;                  /**< number of models; 0: the PSFs are images */
     enum shear_frame frame;        /**< of the shear */
     unsigned columns;              /**< of CATALOG: bits of enum shear_column; 0 = no table */
+    const shear_carried *carried;  /**< [n_carried] its further columns; NULL without */
+    int n_carried;                 /**< number of them */
     int bitpix;                    /**< of the stamps and the PSF: -32 or -64 */
     bool overwrite;                /**< replace an existing file */
     const char *const *history;    /**< lines for HISTORY, ended by NULL, or NULL */
@@ -267,6 +290,7 @@ typedef struct shear_catalog_columns {
     const double *jacobian;  /**< [count][4] column JACOBIAN */
     const double *psf_terms; /**< [count][terms] column PSF_TERMS */
     const uint32_t *dropped; /**< column DROPPED */
+    const uint8_t *carried;  /**< [count][bytes of a row] cells of the spec's carried columns */
 } shear_catalog_columns;
 
 /** Create the field file `path`. It appears under its name only after shear_field_finish()

@@ -74,6 +74,8 @@ typedef struct shear_exposure {
     const char *columns;                /**< "x=XWIN_IMAGE,y=YWIN_IMAGE,..." */
     int origin;                         /**< of catalog positions: the first pixel is 0 or 1 */
     const char *select;                 /**< a row expression: which sources are measured */
+    const char *carry;                  /**< columns carried to results: "all" (default), "none",
+                                           "NAME,..." */
     enum shear_psf_kind psf_kind;       /**< of SHEAR_PART_PSF */
     int stamp;                          /**< side of the stamps, pixels; 0 = 64 */
     enum shear_noise_kind noise;        /**< of the noise stamps */
@@ -84,16 +86,18 @@ typedef struct shear_exposure {
 
 /** Numbers of options. */
 enum {
-    SHEAR_N_EXPOSURE_OPTIONS = 10 /**< number of options of an exposure */
+    SHEAR_N_EXPOSURE_OPTIONS = 11 /**< number of options of an exposure */
 };
 /** Set an option by its name, as in --NAME of shearctl and in object `exposure` of jobs:
- * weight-kind, mask-bad, columns, origin, select, psf-kind, stamp, noise (near or white),
+ * weight-kind, mask-bad, columns, origin, select, carry, psf-kind, stamp, noise (near or white),
  * noise-stamps, frame. Texts are borrowed. SHEAR_E_SETTING names the option, the given text and
  * what is expected. */
 int shear_exposure_set(shear_exposure *e, const char *name, const char *text, shear_error *err);
 /** Return the text that sets an option to its value, in `number` (of 24 bytes) for numbers; NULL if
  * it is the default, or there is no such option. */
 const char *shear_exposure_get(const shear_exposure *e, const char *name, char *number);
+/** Return the member of option `i`, from 0, if it is a text; else NULL. For owners of copies. */
+const char **shear_exposure_text(shear_exposure *e, int i);
 /** Return the name of option `i`, from 0; NULL beyond the last. */
 const char *shear_exposure_option(int i);
 

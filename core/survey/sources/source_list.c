@@ -71,6 +71,31 @@ const char *source_catalog_header(const source_catalog *c, int i, int64_t *count
     return c->objects.tables[i].header;
 }
 
+/* ---- columns that are carried ---- */
+
+static int open_catalog_table(source_catalog *c, int i, open_table *t, shear_error *err) {
+    return open_table_init(t, &c->file, &c->objects.tables[i], &c->names, err);
+}
+
+int source_catalog_carry(source_catalog *c, const char *names, carry_list *l, shear_error *err) {
+    const bool named = names != NULL && strcmp(names, "all") != 0;
+    for (int i = 0; i < c->objects.n; i++) {
+        CLEANUP(open_table_deinit) open_table t = {0};
+        TRY(open_catalog_table(c, i, &t, err));
+        TRY(i == 0 ? carry_list_init(l, &t.table, names, false, err)
+                   : carry_list_match(l, &t.table, named, err));
+    }
+    return SHEAR_OK;
+}
+
+int source_catalog_carried(source_catalog *c, int i, const carry_list *l, carry_rows *r,
+                           shear_error *err) {
+    const sf_place at = {c->file.source.name, c->objects.tables[i].label};
+    CLEANUP(open_table_deinit) open_table t = {0};
+    TRY(open_catalog_table(c, i, &t, err));
+    return carry_rows_init(r, l, &t.table, at, err);
+}
+
 /* ---- the sources of a table ---- */
 
 static double *place_if(bool wanted, int64_t n, arena *a) {
@@ -90,6 +115,7 @@ static void place(source_list *s, const source_columns *c, arena *a) {
     s->theta = place_if(ellipse, s->n, a);
     s->context = place_if(s->n_contexts > 0, s->n * s->n_contexts, a);
     s->id = arena_take(a, (size_t)s->n * sizeof *s->id);
+    s->row = arena_take(a, (size_t)s->n * sizeof *s->row);
     s->selected = arena_take(a, (size_t)s->n * sizeof *s->selected);
 }
 
@@ -120,8 +146,10 @@ static int read_positions(source_list *s, const source_columns *c, int origin, s
 }
 
 static int read_ids(source_list *s, const source_columns *c, shear_error *err) {
-    for (int64_t i = 0; i < s->n; i++)
+    for (int64_t i = 0; i < s->n; i++) {
+        s->row[i] = i;
         s->id[i] = i + 1;
+    }
     return c->by[SOURCE_ID] == NULL
                ? SHEAR_OK
                : sf_table_integers(c->table, c->by[SOURCE_ID], 0, s->n, -1, s->id, err);
@@ -199,6 +227,7 @@ void source_list_keep(source_list *s, const int64_t *key, int64_t wanted) {
         for (int k = 0; k < per_row; k++)
             s->context[n * per_row + k] = s->context[i * per_row + k];
         s->id[n] = s->id[i];
+        s->row[n] = s->row[i];
         s->selected[n] = s->selected[i];
         n++;
     }
@@ -220,7 +249,7 @@ int source_catalog_load(source_catalog *c, int i, const char *const *contexts, i
                         source_list *out, shear_error *err) {
     CLEANUP(open_table_deinit) open_table t = {0};
     *out = (source_list){.n_contexts = n_contexts};
-    TRY(open_table_init(&t, &c->file, &c->objects.tables[i], &c->names, err));
+    TRY(open_catalog_table(c, i, &t, err));
     out->n = t.cards.hdu->axes[1];
     TRY(allocate(out, &t.columns, err));
     TRY(select_rows(out, &t.columns, c->select, err));

@@ -5,7 +5,7 @@
  * case. All rows are kept, selected or not: an object that is not measured is a neighbour still. */
 #pragma once
 
-#include "fits/header/file.h"
+#include "fits/carry/carry_rows.h"
 #include "shear/input.h"
 
 #include <stdbool.h>
@@ -27,12 +27,21 @@ const char *source_catalog_chip(const source_catalog *c, int i);
 /* Return the image's header from an LDAC catalog, [*count] cards of 80 characters, or NULL. */
 const char *source_catalog_header(const source_catalog *c, int i, int64_t *count);
 
+/* Choose the columns that are carried to results: "all", "none" or NAME,...; NULL is "all". Those
+ * of several tables must agree. Errors of carry_list_init() and carry_list_match(). Call
+ * carry_list_deinit after an error, too. */
+int source_catalog_carry(source_catalog *c, const char *names, carry_list *l, shear_error *err);
+/* Find them in table `i`, to be read while the catalog is open. */
+int source_catalog_carried(source_catalog *c, int i, const carry_list *l, carry_rows *r,
+                           shear_error *err);
+
 /* Arrays of [n]; undefined numbers are NaN. */
 typedef struct source_list {
     int64_t n;
     double *x, *y;    /* pixels, the centre of the first pixel is (1, 1); NULL: no such columns */
     double *ra, *dec; /* degrees; NULL: no such columns */
     int64_t *id;      /* NUMBER or ID, else the row's number from 1 */
+    int64_t *row;     /* number in the table, from 0 */
     double *r_gal;    /* 2 FLUX_RADIUS, or R_GAL itself; NULL: neither */
     bool r_gal_measured;   /* it is 2 FLUX_RADIUS */
     double *weight;        /* WEIGHT; NULL: no such column */

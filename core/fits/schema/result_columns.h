@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/catalog/schema.h: the columns and flag keywords of result catalogs, for their writer and
- * reader. */
+/* fits/schema/result_columns.h: the columns and flag keywords of result catalogs, for their writer
+ * and reader. */
 #pragma once
 
 #include "shear/field.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fits/catalog/schema.h"
+#include "fits/schema/result_columns.h"
 
 #define REAL(member)                 "D", offsetof(shear_row, member), 0, 0
 #define INTEGER(member, shift, most) "J", offsetof(shear_row, member), shift, most
