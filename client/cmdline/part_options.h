@@ -33,7 +33,7 @@
         EXPOSURE_OPTION(parts, "origin"), EXPOSURE_OPTION(parts, "select"),                        \
         EXPOSURE_OPTION(parts, "carry"), EXPOSURE_OPTION(parts, "psf-kind"),                       \
         EXPOSURE_OPTION(parts, "stamp"), EXPOSURE_OPTION(parts, "noise-stamps"),                   \
-        EXPOSURE_OPTION(parts, "frame")
+        EXPOSURE_OPTION(parts, "amplifiers"), EXPOSURE_OPTION(parts, "frame")
 
 /* The arguments of these options: "FILE", "FILE:HDU", or NULL if not given. Initialize with
  * PART_OPTIONS_INIT. */

@@ -15,24 +15,28 @@ static const char *const psf_kinds[] = {"auto", "psfex", "piff", "cube", "stars"
 static const char *const noise_kinds[] = {"near", "white", NULL};
 static const char *const frames[] = {"auto", "pixel", "sky", "sky-east", NULL};
 
-/* An option: a choice (an int, the word's place), a number from min to max, or a text. */
+/* An option: a choice (an int, the word's place), a number from min to max, two of them, or a text.
+ */
 static const struct {
     const char *name;
     size_t offset;
     const char *const *choices; /* NULL: not a choice */
     int min, max;               /* both 0: a text */
+    bool grid;                  /* two such numbers: columns and rows */
 } options[] = {
-    {"weight-kind", offsetof(shear_exposure, weight_kind), weight_kinds, 0, 0},
-    {"mask-bad", offsetof(shear_exposure, mask_bad), NULL, 0, 0},
-    {"columns", offsetof(shear_exposure, columns), NULL, 0, 0},
-    {"origin", offsetof(shear_exposure, origin), NULL, 0, 1},
-    {"select", offsetof(shear_exposure, select), NULL, 0, 0},
-    {"carry", offsetof(shear_exposure, carry), NULL, 0, 0},
-    {"psf-kind", offsetof(shear_exposure, psf_kind), psf_kinds, 0, 0},
-    {"stamp", offsetof(shear_exposure, stamp), NULL, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE},
-    {"noise", offsetof(shear_exposure, noise), noise_kinds, 0, 0},
-    {"noise-stamps", offsetof(shear_exposure, noise_stamps), NULL, 1, SHEAR_MAX_NOISE_PLANES},
-    {"frame", offsetof(shear_exposure, frame), frames, 0, 0},
+    {"weight-kind", offsetof(shear_exposure, weight_kind), weight_kinds, 0, 0, false},
+    {"mask-bad", offsetof(shear_exposure, mask_bad), NULL, 0, 0, false},
+    {"columns", offsetof(shear_exposure, columns), NULL, 0, 0, false},
+    {"origin", offsetof(shear_exposure, origin), NULL, 0, 1, false},
+    {"select", offsetof(shear_exposure, select), NULL, 0, 0, false},
+    {"carry", offsetof(shear_exposure, carry), NULL, 0, 0, false},
+    {"psf-kind", offsetof(shear_exposure, psf_kind), psf_kinds, 0, 0, false},
+    {"stamp", offsetof(shear_exposure, stamp), NULL, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE, false},
+    {"noise", offsetof(shear_exposure, noise), noise_kinds, 0, 0, false},
+    {"noise-stamps", offsetof(shear_exposure, noise_stamps), NULL, 1, SHEAR_MAX_NOISE_PLANES,
+     false},
+    {"amplifiers", offsetof(shear_exposure, amplifiers), NULL, 1, SHEAR_MAX_AMPLIFIERS, true},
+    {"frame", offsetof(shear_exposure, frame), frames, 0, 0, false},
 };
 enum { N_OPTIONS = SHEAR_N_EXPOSURE_OPTIONS };
 _Static_assert(N_OPTIONS == sizeof options / sizeof options[0], "all are in the table");
@@ -71,6 +75,32 @@ const char **shear_exposure_text(shear_exposure *e, int i) {
                : NULL;
 }
 
+/* Parse a whole number without sign. Return what follows it; NULL: it is not one from min to max.
+ */
+static const char *parse_number(const char *text, int min, int max, int *number) {
+    char *end = NULL;
+    const long value = strtol(text, &end, 10);
+    if (text[0] < '0' || text[0] > '9' || value < min || value > max)
+        return NULL;
+    *number = (int)value;
+    return end;
+}
+
+static int set_grid(shear_amplifiers *member, int i, const char *text, shear_error *err) {
+    shear_amplifiers grid;
+    const char *rest = parse_number(text, options[i].min, options[i].max, &grid.columns);
+    if (rest != NULL)
+        rest = rest[0] == 'x' ? parse_number(rest + 1, options[i].min, options[i].max, &grid.rows)
+                              : NULL;
+    if (rest == NULL || rest[0] != '\0') {
+        return shear_fail(err, SHEAR_E_SETTING, NULL,
+                          "%s is '%s', but must be COLUMNSxROWS, each %d to %d", options[i].name,
+                          text, options[i].min, options[i].max);
+    }
+    *member = grid;
+    return SHEAR_OK;
+}
+
 /* Return the number of the option; -1: there is none of that name. */
 static int find(const char *name) {
     int i = N_OPTIONS - 1;
@@ -86,10 +116,20 @@ int shear_exposure_set(shear_exposure *e, const char *name, const char *text, sh
     void *member = (char *)e + options[i].offset;
     if (options[i].choices != NULL)
         return set_choice(member, i, text, err);
+    if (options[i].grid)
+        return set_grid(member, i, text, err);
     if (options[i].max > 0)
         return set_number(member, i, text, err);
     memcpy(member, &text, sizeof text);
     return SHEAR_OK;
+}
+
+/* Return the text of a grid, in `number`; NULL: it is the default. */
+static const char *grid_text(const shear_amplifiers *grid, char *number) {
+    const int columns = grid->columns > 0 ? grid->columns : 1;
+    const int rows = grid->rows > 0 ? grid->rows : 1;
+    snprintf(number, 24, "%dx%d", columns, rows);
+    return columns * rows == 1 ? NULL : number;
 }
 
 const char *shear_exposure_get(const shear_exposure *e, const char *name, char *number) {
@@ -105,6 +145,8 @@ const char *shear_exposure_get(const shear_exposure *e, const char *name, char *
         memcpy(&text, (const char *)e + offset, sizeof text);
         return text;
     }
+    if (options[i].grid)
+        return grid_text((const void *)((const char *)e + offset), number);
     memcpy(&value, (const char *)e + offset, sizeof value);
     memcpy(&normal, (const char *)&defaults + offset, sizeof normal);
     if (value == normal)
@@ -117,22 +159,12 @@ const char *shear_exposure_get(const shear_exposure *e, const char *name, char *
     return number;
 }
 
-/* Parse a side. Return what follows it; NULL: it is no side. */
-static const char *parse_side(const char *text, int *side) {
-    char *end = NULL;
-    const long value = strtol(text, &end, 10);
-    if (text[0] < '0' || text[0] > '9' || value < SHEAR_MIN_SIDE || value > SHEAR_MAX_SIDE)
-        return NULL;
-    *side = (int)value;
-    return end;
-}
-
 int shear_mosaic_set_size(shear_mosaic *m, const char *text, shear_error *err) {
     int nx = 0;
     int ny = 0;
-    const char *rest = parse_side(text, &nx);
+    const char *rest = parse_number(text, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE, &nx);
     if (rest != NULL && rest[0] == 'x') {
-        rest = parse_side(rest + 1, &ny);
+        rest = parse_number(rest + 1, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE, &ny);
     } else {
         ny = nx;
     }

@@ -148,6 +148,25 @@ static int find_contexts(const opening *o, int chip, contexts *c, shear_error *e
     return contexts_init(c, names, n, cards, count, where, err);
 }
 
+static bool amplifiers_fit(int amplifiers, int pixels, int least) {
+    return amplifiers <= 1 || (amplifiers <= SHEAR_MAX_AMPLIFIERS && pixels / amplifiers >= least);
+}
+
+/* Check that on each of several amplifiers there is room for a stamp with its frame. */
+static int check_amplifiers(const opening *o, int chip, const chip_inputs *in, shear_error *err) {
+    const shear_amplifiers *a = &o->e->options.amplifiers;
+    const int least = o->e->base.info.geometry.nx + 2 * CUTTER_FRAME;
+    char where[CHIP_SKY_PLACE];
+    if (amplifiers_fit(a->columns, in->nx, least) && amplifiers_fit(a->rows, in->ny, least))
+        return SHEAR_OK;
+    chip_sky_place(o->e, chip, part_of(o, SHEAR_PART_IMAGE)->path, where);
+    return shear_fail(err, SHEAR_E_FORMAT,
+                      "correct --amplifiers COLUMNSxROWS, or choose a smaller --stamp",
+                      "%s: %d x %d amplifiers are too many for %d x %d pixels: each must hold a "
+                      "stamp and its frame, %d x %d",
+                      where, a->columns, a->rows, in->nx, in->ny, least, least);
+}
+
 static int open_chip(opening *o, int chip, shear_error *err) {
     exposure *e = o->e;
     exposure_chip *c = &e->chips[chip];
@@ -173,6 +192,7 @@ static int open_chip(opening *o, int chip, shear_error *err) {
                       .model = c->model,
                       .only_inside = shared};
     exposure_images_size(e->images, chip, &in.nx, &in.ny);
+    TRY(check_amplifiers(o, chip, &in, err));
     if (shared && map != NULL)
         TRY(near_chip_keep(&sources, map, in.nx, in.ny, err));
     TRY(noise_match(e, chip, part_of(o, SHEAR_PART_IMAGE)->path, part_of(o, SHEAR_PART_NOISE)->path,

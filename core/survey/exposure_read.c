@@ -49,6 +49,7 @@ int exposure_hold(exposure *e, int chip, shear_error *err) {
     cutter_options options = {.stamp = e->base.info.geometry.nx,
                               .noise_stamps = e->base.info.noise_planes,
                               .noise = e->options.noise,
+                              .amplifiers = e->options.amplifiers,
                               .chip = chip,
                               .r_psf_px = r_psf_px};
     exposure_images_size(e->images, chip, &options.nx, &options.ny);

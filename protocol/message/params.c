@@ -47,7 +47,7 @@ MSG_PART(exposure, EXPOSURE_FILE(image, MSG_REQUIRED), EXPOSURE_FILE(sources, MS
          OPTION_TEXT(select), OPTION_TEXT(carry), OPTION_TEXT(psf_kind),
          OPTION_NUMBER(stamp, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE), OPTION_TEXT(noise),
          EXPOSURE_FILE(noise_image, 0), OPTION_NUMBER(noise_stamps, 1, SHEAR_MAX_NOISE_PLANES),
-         OPTION_TEXT(frame));
+         OPTION_TEXT(amplifiers), OPTION_TEXT(frame));
 
 /* A number that is 0 if it is not given. */
 #define MSG_NUMBER_AS(T, member, key, low, high)                                                   \
@@ -137,6 +137,7 @@ static const struct {
     {"stamp", "stamp", offsetof(sheard_msg_exposure, stamp), true},
     {"noise", "noise", offsetof(sheard_msg_exposure, noise), false},
     {"noise_stamps", "noise-stamps", offsetof(sheard_msg_exposure, noise_stamps), true},
+    {"amplifiers", "amplifiers", offsetof(sheard_msg_exposure, amplifiers), false},
     {"frame", "frame", offsetof(sheard_msg_exposure, frame), false},
 };
 enum { N_OPTIONS = sizeof options / sizeof options[0] };

@@ -111,6 +111,7 @@ static void choose(shear_input *input, const uint8_t *bytes, size_t size) {
                                              : SHEAR_PSF_KIND_AUTO;
     e->noise = (enum shear_noise_kind)fuzz_below(&state, 3);
     e->noise_stamps = e->noise == SHEAR_NOISE_IMAGE ? 1 : (int)fuzz_below(&state, 3);
+    e->amplifiers = (shear_amplifiers){(int)fuzz_below(&state, 4), (int)fuzz_below(&state, 3)};
     e->frame = (int)fuzz_below(&state, 4);
     e->stamp = 8 + (int)fuzz_below(&state, 20);
 }

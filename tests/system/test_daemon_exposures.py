@@ -100,8 +100,9 @@ class Catalogs(Exposures):
 
 class Ways(Exposures):
     def test_by_the_protocol(self):
-        exposure = self.expose(noise_stamps=2, mask_bad="bits=7", select="IS_STAR == 0", frame="sky-east")
+        exposure = self.expose(noise_stamps=2, amplifiers="2x1", mask_bad="bits=7", select="IS_STAR == 0", frame="sky-east")
         expected = measured_exposure(exposure)
+        self.assertNotEqual(numbers(expected), numbers(measured_exposure({**exposure, "amplifiers": "1x1"})))
         self.assertGreater(expected["n_used"], 40)
         job = self.submit(exposure)
         self.assertSame(job, expected)
@@ -207,7 +208,9 @@ class Refusals(Exposures):
                  ("exposure.origin", {"origin": 2}), ("exposure.stamp", {"stamp": 7}),
                  ("exposure.noise_stamps", {"noise_stamps": 65}), ("exposure.psf_kind", {"psf_kind": ""}),
                  ("exposure.noise", {"noise": "white", "noise_image": exposure["image"]}),
-                 ("exposure.select", {"select": 4}), ("exposure.mask.path", {"mask": {"path": "mask.fits"}})]
+                 ("exposure.amplifiers", {"amplifiers": "2"}), ("exposure.amplifiers", {"amplifiers": "999999999x1"}),
+                 ("exposure.amplifiers", {"amplifiers": 2}), ("exposure.select", {"select": 4}),
+                 ("exposure.mask.path", {"mask": {"path": "mask.fits"}})]
         for parameter, change in cases:
             self.assertRefusedAt("bad_parameter", parameter, exposure={**exposure, **change})
         for name in ("image", "sources", "psf"):
@@ -224,7 +227,8 @@ class Refusals(Exposures):
         for change, words in (({"select": "MAG_AUTO < 24"}, "MAG_AUTO"), ({"columns": "x=XPOS,y=YPOS"}, "XPOS"),
                               ({"image": {**exposure["image"], "extname": "CHIP7"}}, "CHIP7"),
                               ({"select": "X < 0"}, "no source is selected"), ({"mask_bad": "bits=x"}, "bits=x"),
-                              ({"psf_kind": "psfex"}, "psf.fits"), ({"segmentation": exposure["psf"]}, "45")):
+                              ({"amplifiers": "64x1"}, "64 x 1 amplifiers"), ({"psf_kind": "psfex"}, "psf.fits"),
+                              ({"segmentation": exposure["psf"]}, "45")):
             with self.subTest(words=words):
                 job = self.submit({**exposure, **change})
                 self.assertEqual((job["state"], job["class"]), ("failed", "data"), job["message"])

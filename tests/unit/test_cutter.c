@@ -442,11 +442,6 @@ static void test_impossible_options(void **state) {
     o.noise = SHEAR_NOISE_IMAGE;
     refuse(c, &o, SHEAR_E_SETTING, "image of noise");
     o = good;
-    o.split_x = SIDE;
-    refuse(c, &o, SHEAR_E_SETTING, "column 400 of 400");
-    o.split_x = -1;
-    refuse(c, &o, SHEAR_E_SETTING, "column -1");
-    o = good;
     o.nx = o.ny = 199999;
     refuse(c, &o, SHEAR_E_FORMAT, "too large");
     o.nx = 10;

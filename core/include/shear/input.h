@@ -66,6 +66,12 @@ enum shear_noise_kind {
     SHEAR_NOISE_IMAGE     /**< an image of noise, SHEAR_PART_NOISE, at the galaxy's own place */
 };
 
+/** The amplifiers that read a chip out: its pixels in a grid of equal parts. */
+typedef struct shear_amplifiers {
+    int columns; /**< side by side along x, at most SHEAR_MAX_AMPLIFIERS; 0 = 1 */
+    int rows;    /**< the same along y */
+} shear_amplifiers;
+
 /** The options of an exposure (docs/exposures.md). All zero, with origin 1, are the defaults. Texts
  * are borrowed; NULL = not given. */
 typedef struct shear_exposure {
@@ -80,18 +86,20 @@ typedef struct shear_exposure {
     int stamp;                          /**< side of the stamps, pixels; 0 = 64 */
     enum shear_noise_kind noise;        /**< of the noise stamps */
     int noise_stamps;                   /**< per galaxy; 0 = 1 */
+    shear_amplifiers amplifiers;        /**< of each chip: noise is taken from the galaxy's own */
     int frame;                          /**< enum shear_frame (shear/plan.h) of the shear, plus 1;
                                            0 = sky if the image has a WCS, else pixel */
 } shear_exposure;
 
 /** Numbers of options. */
 enum {
-    SHEAR_N_EXPOSURE_OPTIONS = 11 /**< number of options of an exposure */
+    SHEAR_MAX_AMPLIFIERS = 64,    /**< of a chip, along one axis */
+    SHEAR_N_EXPOSURE_OPTIONS = 12 /**< number of options of an exposure */
 };
 /** Set an option by its name, as in --NAME of shearctl and in object `exposure` of jobs:
  * weight-kind, mask-bad, columns, origin, select, carry, psf-kind, stamp, noise (near or white),
- * noise-stamps, frame. Texts are borrowed. SHEAR_E_SETTING names the option, the given text and
- * what is expected. */
+ * noise-stamps, amplifiers ("4x1"), frame. Texts are borrowed. SHEAR_E_SETTING names the option,
+ * the given text and what is expected. */
 int shear_exposure_set(shear_exposure *e, const char *name, const char *text, shear_error *err);
 /** Return the text that sets an option to its value, in `number` (of 24 bytes) for numbers; NULL if
  * it is the default, or there is no such option. */

@@ -13,10 +13,11 @@ static int cells_of(int pixels) {
 }
 
 void box_map_place(box_map *m, arena *a) {
-    m->columns = cells_of(m->nx);
-    m->rows = cells_of(m->ny);
+    m->columns = cells_of(m->x.pixels);
+    m->rows = cells_of(m->y.pixels);
     m->cells = arena_take(a, (size_t)m->columns * (size_t)m->rows);
     m->sums = arena_take(a, 2 * (size_t)m->columns * sizeof *m->sums);
+    m->fits = arena_take(a, (size_t)m->columns);
     m->closed = arena_take(a, (size_t)m->columns);
 }
 
@@ -40,11 +41,9 @@ static void sum_row(box_map *m, const uint8_t *cells, int sign) {
     }
 }
 
-/* Return whether the frame around a stamp that begins at pixel x is on one amplifier. */
-static bool fits(const box_map *m, int x) {
-    const int first = x - m->frame;
-    const int end = x + m->stamp + m->frame;
-    return first >= 0 && end <= m->nx && (first >= m->split_x || end <= m->split_x);
+/* Return whether the frame of a stamp that begins at pixel `at` of an axis is on one amplifier. */
+static bool fits(const box_map *m, const amplifier_axis *axis, int at) {
+    return amplifier_axis_holds(axis, at - m->frame, at + m->stamp + m->frame);
 }
 
 /* Write whether the boxes that begin in the row of cells are free, from the sums over their rows.
@@ -61,7 +60,7 @@ static void close_row(const box_map *m, uint8_t *closed) {
             t += touched[k];
             d += defects[k];
         }
-        closed[i] = fits(m, i * BOX_CELL) && t == 0 && d <= most;
+        closed[i] = m->fits[i] != 0 && t == 0 && d <= most;
         t -= touched[i];
         d -= defects[i];
     }
@@ -70,13 +69,14 @@ static void close_row(const box_map *m, uint8_t *closed) {
 void box_map_close(box_map *m) {
     const int box = cells_of(m->stamp);
     int added = 0;
+    for (int i = 0; i < m->columns; i++)
+        m->fits[i] = fits(m, &m->x, i * BOX_CELL);
     for (int j = 0; j < m->rows; j++) {
         uint8_t *cells = m->cells + (size_t)j * (size_t)m->columns;
         for (; added < j + box && added < m->rows; added++)
             sum_row(m, m->cells + (size_t)added * (size_t)m->columns, 1);
         memset(m->closed, 0, (size_t)m->columns);
-        const int y = j * BOX_CELL;
-        if (y >= m->frame && y + m->stamp + m->frame <= m->ny)
+        if (fits(m, &m->y, j * BOX_CELL))
             close_row(m, m->closed);
         sum_row(m, cells, -1);
         for (int i = 0; i < m->columns; i++)

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "base/arena.h"
+#include "survey/cutout/amplifier_axis.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,14 +17,14 @@
 enum { BOX_CELL = 4, BOX_TOUCHED = 0x80 };
 
 typedef struct box_map {
-    int nx, ny;  /* of the chip, pixels */
-    int split_x; /* first column of the second amplifier; 0: one amplifier */
-    int stamp;   /* side, pixels */
-    int frame;   /* around it, pixels */
+    amplifier_axis x, y; /* of the chip */
+    int stamp;           /* side, pixels */
+    int frame;           /* around it, pixels */
     int columns, rows;
     uint8_t *cells;  /* [rows][columns]: BOX_TOUCHED, and the number of defects until
                         box_map_close(), then whether the place is free */
     int *sums;       /* [2][columns] scratch */
+    uint8_t *fits;   /* [columns] whether the frame of a stamp there is on one amplifier in x */
     uint8_t *closed; /* [columns] scratch */
 } box_map;
 

@@ -7,12 +7,13 @@
 #include "survey/cutout/noise_boxes.h"
 #include "survey/cutout/plane.h"
 
+#include <assert.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
 enum {
-    FRAME = 8,           /* pixels on each side of a stamp */
+    FRAME = CUTTER_FRAME,
     MOST_REJECTED = 256, /* noise boxes, before a galaxy is given up */
     MOST_SIDE = 200000   /* of a chip: a band of 64 rows is in memory */
 };
@@ -61,10 +62,6 @@ static int check_options(const cutter_options *o, const chip_pixels *noise, shea
                           "an image of noise holds one noise stamp per galaxy, not %d",
                           noise == NULL ? 0 : o->noise_stamps);
     }
-    if (o->split_x < 0 || o->split_x >= o->nx) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL,
-                          "the second amplifier begins in column %d of %d", o->split_x, o->nx);
-    }
     if (o->nx > MOST_SIDE || o->ny > MOST_SIDE || (int64_t)o->nx * o->ny > most_pixels) {
         return shear_fail(err, SHEAR_E_FORMAT, "cut it into smaller images",
                           "a chip of %d x %d px is too large: expected %d px a side and %" PRId64
@@ -72,6 +69,13 @@ static int check_options(const cutter_options *o, const chip_pixels *noise, shea
                           o->nx, o->ny, MOST_SIDE, most_pixels);
     }
     return SHEAR_OK;
+}
+
+static amplifier_axis axis_of(int pixels, int amplifiers, int box) {
+    const int parts = amplifiers > 0 ? amplifiers : 1;
+    assert(parts == 1 || (parts <= SHEAR_MAX_AMPLIFIERS && pixels / parts >= box));
+    (void)box;
+    return (amplifier_axis){pixels, parts};
 }
 
 static void place(cutter *c, arena *a) {
@@ -103,9 +107,8 @@ int cutter_new(cutter **c, chip_pixels *pixels, chip_pixels *noise, const cutter
     new->noise = noise;
     new->side = options->stamp + 2 * FRAME;
     new->light.r_psf_px = options->r_psf_px > 0.0 ? options->r_psf_px : 0.0;
-    new->sky.boxes = (box_map){.nx = options->nx,
-                               .ny = options->ny,
-                               .split_x = options->split_x,
+    new->sky.boxes = (box_map){.x = axis_of(options->nx, options->amplifiers.columns, new->side),
+                               .y = axis_of(options->ny, options->amplifiers.rows, new->side),
                                .stamp = options->stamp,
                                .frame = FRAME};
     TRY(empty_sky_init(&new->sky, pixels, err));
@@ -261,7 +264,7 @@ static int cut_near(cutter *c, const cutter_source *source, cutter_pair *pair, u
     int rejected = 0;
     int x = 0;
     int y = 0;
-    noise_boxes_find(&c->boxes, pair->x, pair->y, pair->x + c->options.stamp / 2, key);
+    noise_boxes_find(&c->boxes, pair->x, pair->y, key);
     for (int k = 0; k < wanted;) {
         if (rejected > MOST_REJECTED || !noise_boxes_draw(&c->boxes, &x, &y)) {
             *flags |= SHEAR_FLAG_NO_NOISE;

@@ -30,6 +30,8 @@
 
 #include "survey/pixels/chip_pixels.h"
 
+enum { CUTTER_FRAME = 8 }; /* pixels around a stamp, for its plane */
+
 typedef struct cutter_options {
     int nx, ny;                  /* of the chip, pixels */
     int stamp;                   /* side, pixels */
@@ -37,7 +39,8 @@ typedef struct cutter_options {
     enum shear_noise_kind noise; /* where they come from */
     int chip;                    /* number of the chip, for random numbers */
     double r_psf_px;             /* for the light of a galaxy */
-    int split_x;                 /* column of the second amplifier, from 0; 0: one amplifier */
+    shear_amplifiers amplifiers; /* along an axis with several, each holds CUTTER_FRAME pixels on
+                                    both sides of a stamp */
 } cutter_options;
 
 typedef struct cutter cutter;

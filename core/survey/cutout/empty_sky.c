@@ -87,14 +87,31 @@ static void enter_cells(band *b, box_map *boxes, int top) {
     box_map_enter(boxes, (b->y + top) / BOX_CELL, b->marks, b->defects);
 }
 
+/* Enter the band's rows, amplifier by amplifier. */
+static void enter_meshes(empty_sky *s, const band *b) {
+    const amplifier_axis *axis = &s->boxes.y;
+    const int band_end = b->y + b->n;
+    int end;
+    for (int y = b->y; y < band_end; y = end) {
+        const size_t at = (size_t)(y - b->y) * (size_t)b->nx;
+        end = amplifier_axis_start(axis, amplifier_axis_at(axis, y) + 1);
+        end = end < band_end ? end : band_end;
+        noise_mesh_enter(&s->mesh, &(mesh_pixels){.value = b->value + at,
+                                                  .sigma = b->sigma + at,
+                                                  .defect = b->defect + at,
+                                                  .y = y,
+                                                  .n = end - y,
+                                                  .map = &s->boxes});
+    }
+}
+
 static int survey(empty_sky *s, band *b, chip_pixels *pixels, shear_error *err) {
     for (b->y = 0; b->y < b->ny; b->y += MESH_SIDE) {
         b->n = b->ny - b->y < MESH_SIDE ? b->ny - b->y : MESH_SIDE;
         TRY(read_band(b, pixels, err));
         for (int top = 0; top < b->n; top += BOX_CELL)
             enter_cells(b, &s->boxes, top);
-        const mesh_pixels rows = {b->value, b->sigma, b->defect, b->y, b->n, &s->boxes};
-        noise_mesh_enter(&s->mesh, b->y / MESH_SIDE, &rows);
+        enter_meshes(s, b);
     }
     box_map_close(&s->boxes);
     noise_mesh_close(&s->mesh);
@@ -103,13 +120,15 @@ static int survey(empty_sky *s, band *b, chip_pixels *pixels, shear_error *err) 
 
 static void place(empty_sky *s, arena *a) {
     box_map_place(&s->boxes, a);
-    noise_mesh_place(&s->mesh, s->boxes.nx, s->boxes.ny, s->boxes.split_x, a);
+    noise_mesh_place(&s->mesh, a);
 }
 
 int empty_sky_init(empty_sky *s, chip_pixels *pixels, shear_error *err) {
-    band b = {.nx = s->boxes.nx, .ny = s->boxes.ny};
+    band b = {.nx = s->boxes.x.pixels, .ny = s->boxes.y.pixels};
     arena kept = {0};
     arena scratch = {0};
+    s->mesh.x = s->boxes.x;
+    s->mesh.y = s->boxes.y;
     place(s, &kept);
     place_band(&b, &scratch);
     s->memory = arena_allocate(&kept);

@@ -9,6 +9,11 @@ enum { REACH = 200, REACH_BOXES_HALVES = 5 };
 static const double least_ratio = 0.8;
 static const double most_ratio = 1.25;
 
+/* Columns or rows of cells. */
+typedef struct cell_range {
+    int first, end;
+} cell_range;
+
 static int reach_of(const box_map *m) {
     const int64_t wide = (int64_t)(m->stamp + 2 * m->frame) * REACH_BOXES_HALVES / 2;
     return wide > REACH ? (int)wide : REACH;
@@ -27,7 +32,7 @@ void noise_boxes_place(noise_boxes *b, const empty_sky *sky, arena *a) {
         return;
     for (int i = 0; i < m->columns; i++) {
         const int x = i * BOX_CELL + m->stamp / 2;
-        b->mesh_column[i] = noise_mesh_column(&sky->mesh, x < m->nx ? x : m->nx - 1);
+        b->mesh_column[i] = noise_mesh_column(&sky->mesh, x < m->x.pixels ? x : m->x.pixels - 1);
     }
 }
 
@@ -50,43 +55,53 @@ static int cell_end(int v, int end) {
     return cells < end ? cells : end;
 }
 
-/* List the free stamps of a row of cells, in columns first .. end-1. */
-static void list_row(noise_boxes *b, int row, int first, int end) {
+/* List the free stamps of a row of cells, in a range of columns. */
+static void list_row(noise_boxes *b, int row, cell_range columns) {
     const box_map *m = &b->sky->boxes;
     const uint8_t *is_free = box_map_row(m, row);
     const int32_t start = row * m->columns;
-    for (int i = first; i < end; i++) {
+    for (int i = columns.first; i < columns.end; i++) {
         b->list[b->n] = start + i;
         b->n += is_free[i] & 1 & b->gate[b->mesh_column[i]];
     }
 }
 
-void noise_boxes_find(noise_boxes *b, int x, int y, int column, draw_key key) {
+/* Return the cells that begin on the amplifier of a pixel. */
+static cell_range cells_of_amplifier(const amplifier_axis *axis, int pixel) {
+    const int amplifier = amplifier_axis_at(axis, pixel);
+    return (cell_range){cell_from(amplifier_axis_start(axis, amplifier)),
+                        cell_from(amplifier_axis_start(axis, amplifier + 1))};
+}
+
+/* Return the cells of a range that begin at pixels first .. last. */
+static cell_range cut_range(cell_range r, int first, int last) {
+    const int from = cell_from(first);
+    return (cell_range){from > r.first ? from : r.first, cell_end(last, r.end)};
+}
+
+void noise_boxes_find(noise_boxes *b, int x, int y, draw_key key) {
     const box_map *m = &b->sky->boxes;
     const noise_mesh *mesh = &b->sky->mesh;
     const int reach = reach_of(m);
     const int apart = m->stamp + m->frame;
     const int middle = m->stamp / 2;
-    const double level = mesh->level[noise_mesh_at(mesh, column, y + middle)];
-    const int left = column < m->split_x ? 0 : cell_from(m->split_x);
-    const int right = column < m->split_x ? cell_end(m->split_x, m->columns) : m->columns;
+    const double level = mesh->level[noise_mesh_at(mesh, x + middle, y + middle)];
+    const cell_range columns = cells_of_amplifier(&m->x, x + middle);
+    const cell_range rows = cut_range(cells_of_amplifier(&m->y, y + middle), y - reach, y + reach);
     int gate_row = -1;
     b->n = b->next = 0;
     b->key = key;
-    for (int j = cell_from(y - reach); j < cell_end(y + reach, m->rows); j++) {
+    for (int j = rows.first; j < rows.end; j++) {
         const int dy = j * BOX_CELL - y;
         const int half = (int)sqrt((double)reach * reach - (double)dy * dy);
-        const int first = cell_from(x - half) > left ? cell_from(x - half) : left;
-        const int end = cell_end(x + half, right);
+        const cell_range row = cut_range(columns, x - half, x + half);
         if (noise_mesh_row(mesh, j * BOX_CELL + middle) != gate_row)
             set_gate(b, gate_row = noise_mesh_row(mesh, j * BOX_CELL + middle), level);
         if (abs(dy) >= apart) {
-            list_row(b, j, first, end);
+            list_row(b, j, row);
         } else {
-            const int stop = cell_end(x - apart, end);
-            const int start = cell_from(x + apart);
-            list_row(b, j, first, stop);
-            list_row(b, j, start > first ? start : first, end);
+            list_row(b, j, cut_range(row, 0, x - apart));
+            list_row(b, j, cut_range(row, x + apart, m->x.pixels));
         }
     }
 }

@@ -25,15 +25,26 @@ typedef struct mesh_sample {
 } mesh_sample;
 
 static int meshes_of(int pixels) {
-    return pixels == 0 ? 0 : pixels < MESH_SIDE ? 1 : pixels / MESH_SIDE;
+    return pixels < MESH_SIDE ? 1 : pixels / MESH_SIDE;
 }
 
-void noise_mesh_place(noise_mesh *m, int nx, int ny, int split_x, arena *a) {
-    m->nx = nx;
-    m->split_x = split_x;
-    m->split = meshes_of(split_x);
-    m->columns = m->split + meshes_of(nx - split_x);
-    m->rows = (ny + MESH_SIDE - 1) / MESH_SIDE;
+/* Number the meshes amplifier by amplifier. */
+static void number(noise_mesh *m) {
+    for (int i = 0; i < m->x.parts; i++) {
+        const int width = amplifier_axis_start(&m->x, i + 1) - amplifier_axis_start(&m->x, i);
+        m->first_column[i + 1] = m->first_column[i] + meshes_of(width);
+    }
+    for (int i = 0; i < m->y.parts; i++) {
+        const int start = amplifier_axis_start(&m->y, i) / MESH_SIDE;
+        const int last = (amplifier_axis_start(&m->y, i + 1) - 1) / MESH_SIDE;
+        m->first_row[i + 1] = m->first_row[i] + last - start + 1;
+    }
+    m->columns = m->first_column[m->x.parts];
+    m->rows = m->first_row[m->y.parts];
+}
+
+void noise_mesh_place(noise_mesh *m, arena *a) {
+    number(m);
     const size_t n = (size_t)m->columns * (size_t)m->rows;
     m->level = arena_doubles(a, n);
     m->scale = arena_doubles(a, n);
@@ -41,30 +52,54 @@ void noise_mesh_place(noise_mesh *m, int nx, int ny, int split_x, arena *a) {
     m->samples = arena_take(a, MOST_SAMPLES * sizeof *m->samples);
 }
 
+/* The meshes of an amplifier: its columns of pixels, in n equal parts. */
+typedef struct mesh_columns {
+    int start, width; /* pixels */
+    int first, n;     /* meshes */
+} mesh_columns;
+
+static mesh_columns columns_of(const noise_mesh *m, int amplifier) {
+    const int start = amplifier_axis_start(&m->x, amplifier);
+    return (mesh_columns){
+        .start = start,
+        .width = amplifier_axis_start(&m->x, amplifier + 1) - start,
+        .first = m->first_column[amplifier],
+        .n = m->first_column[amplifier + 1] - m->first_column[amplifier],
+    };
+}
+
 int noise_mesh_column(const noise_mesh *m, int x) {
-    const int right = m->nx - m->split_x;
-    if (x < m->split_x)
-        return (int)((int64_t)x * m->split / m->split_x);
-    return m->split + (int)((int64_t)(x - m->split_x) * (m->columns - m->split) / right);
+    const mesh_columns c = columns_of(m, amplifier_axis_at(&m->x, x));
+    return c.first + (int)((int64_t)(x - c.start) * c.n / c.width);
 }
 
 int noise_mesh_row(const noise_mesh *m, int y) {
-    return y / MESH_SIDE < m->rows ? y / MESH_SIDE : m->rows - 1;
+    const int within = y < m->y.pixels ? y : m->y.pixels - 1;
+    const int amplifier = amplifier_axis_at(&m->y, within);
+    const int start = amplifier_axis_start(&m->y, amplifier);
+    return m->first_row[amplifier] + within / MESH_SIDE - start / MESH_SIDE;
 }
 
-/* Return the first pixel column of a column of meshes; nx behind the last. */
+/* Return the amplifier of a mesh, whose column or row is given. */
+static int amplifier_of(const int *first, int mesh) {
+    int i = 0;
+    while (first[i + 1] <= mesh)
+        i++;
+    return i;
+}
+
+/* Return the first pixel column of a column of meshes. */
 static int mesh_start(const noise_mesh *m, int column) {
-    const int right = m->columns - m->split;
-    if (column < m->split)
-        return (int)(((int64_t)column * m->split_x + m->split - 1) / m->split);
-    const int64_t x = (int64_t)(column - m->split) * (m->nx - m->split_x);
-    return m->split_x + (int)((x + right - 1) / right);
+    if (column == m->columns)
+        return m->x.pixels;
+    const mesh_columns c = columns_of(m, amplifier_of(m->first_column, column));
+    return c.start + (int)(((int64_t)(column - c.first) * c.width + c.n - 1) / c.n);
 }
 
 /* Take a pixel as the next sample if it is free. Whether the chip has a map of sigma is what its
  * first free pixel says; others that differ are left out. */
 static int take(noise_mesh *m, const mesh_pixels *p, int x, int y, int n) {
-    const size_t at = (size_t)y * (size_t)m->nx + (size_t)x;
+    const size_t at = (size_t)y * (size_t)m->x.pixels + (size_t)x;
     if (p->defect[at] != 0 || box_map_touched(p->map, x, p->y + y))
         return n;
     const bool known = isfinite(p->sigma[at]) && p->sigma[at] > 0.0F;
@@ -125,7 +160,8 @@ static double refit(const mesh_sample *s, int n, plane *p, double sigma) {
     return sqrt(chi2 / (count - 3.0) / (isinf(sigma) ? 1.0 : clipped_variance));
 }
 
-void noise_mesh_enter(noise_mesh *m, int row, const mesh_pixels *pixels) {
+void noise_mesh_enter(noise_mesh *m, const mesh_pixels *pixels) {
+    const int row = noise_mesh_row(m, pixels->y);
     for (int column = 0; column < m->columns; column++) {
         const size_t at = (size_t)row * (size_t)m->columns + (size_t)column;
         mesh_sample *s = m->samples;
@@ -147,13 +183,13 @@ void noise_mesh_enter(noise_mesh *m, int row, const mesh_pixels *pixels) {
 
 /* Return the mean over the 3 x 3 meshes about one, on its amplifier; NaN if none is known. */
 static double mean_about(const noise_mesh *m, const double *v, int row, int column) {
-    const int first = column < m->split ? 0 : m->split;
-    const int end = column < m->split ? m->split : m->columns;
+    const int *x = m->first_column + amplifier_of(m->first_column, column);
+    const int *y = m->first_row + amplifier_of(m->first_row, row);
     double sum = 0.0;
     int n = 0;
     for (int j = row - 1; j <= row + 1; j++) {
         for (int i = column - 1; i <= column + 1; i++) {
-            if (j < 0 || j >= m->rows || i < first || i >= end)
+            if (j < y[0] || j >= y[1] || i < x[0] || i >= x[1])
                 continue;
             const double value = v[(size_t)j * (size_t)m->columns + (size_t)i];
             sum += isnan(value) ? 0.0 : value;

@@ -129,7 +129,8 @@ typedef struct sheard_msg_image {
 typedef struct sheard_msg_exposure {
     sheard_msg_image image, sources, psf; /* all three are there, or none */
     sheard_msg_image weight, mask, segmentation, wcs, noise_image;
-    const char *weight_kind, *mask_bad, *columns, *select, *carry, *psf_kind, *noise, *frame;
+    const char *weight_kind, *mask_bad, *columns, *select, *carry, *psf_kind, *noise, *amplifiers;
+    const char *frame;
     int64_t origin, stamp, noise_stamps;
 } sheard_msg_exposure;
 
