@@ -2,6 +2,7 @@
 #include "local/chip_scan.h"
 
 #include "base/cleanup.h"
+#include "local/weight_map.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +14,7 @@ static int describe(chip_scan *s, shear_error *err) {
     for (int i = 0; i < s->n; i++) {
         shear_chip *c = &s->chips[i].chip;
         TRY(shear_field_get_chip(s->field, i, c, err));
-        s->chips[i].masked = NAN;
+        s->chips[i].masked = s->chips[i].weight_slope = NAN;
         shear_centring_summarize(&s->chips[i].centring, 0, s->dx, s->dy, 0);
         most = c->n_stamps > most ? c->n_stamps : most;
     }
@@ -49,22 +50,29 @@ void chip_scan_deinit(chip_scan *s) {
 
 /* ---- one chip after the other ---- */
 
-static int count_masked(const chip_scan *s, int i, shear_error *err) {
+/* Look at all pixels of a chip: how many are bad, and what the weight map says of the others. */
+static int look_at_pixels(const chip_scan *s, int i, shear_error *err) {
     sheard_chip_report *r = &s->chips[i];
     const size_t nx = (size_t)r->chip.nx;
     int64_t bad = 0;
+    sigma_range range = {0};
     CLEANUP(release_free) uint8_t *defect = malloc(BAND * nx);
-    if (defect == NULL)
+    CLEANUP(release_free) float *sigma = malloc(BAND * nx * sizeof *sigma);
+    if (defect == NULL || sigma == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     for (int y = 0; y < r->chip.ny; y += BAND) {
         const int rows = r->chip.ny - y < BAND ? r->chip.ny - y : BAND;
-        const shear_chip_box box = {.y = y, .nx = r->chip.nx, .ny = rows, .defect = defect};
+        const size_t n = nx * (size_t)rows;
+        const shear_chip_box box = {
+            .y = y, .nx = r->chip.nx, .ny = rows, .sigma = sigma, .defect = defect};
         TRY(shear_chip_read(s->field, i, &box, err));
-        for (size_t k = 0; k < nx * (size_t)rows; k++)
+        for (size_t k = 0; k < n; k++)
             bad += defect[k] != 0;
+        sigma_range_add(&range, sigma, defect, n);
     }
     r->masked = (double)bad / ((double)r->chip.nx * r->chip.ny);
-    return SHEAR_OK;
+    r->n_extreme = sigma_range_extreme(&range);
+    return shear_chip_weight_slope(s->field, i, &r->weight_slope, err);
 }
 
 static void end_chip(chip_scan *s) {
@@ -80,7 +88,7 @@ static int begin_chip(chip_scan *s, int64_t stamp, shear_error *err) {
     end_chip(s);
     do {
         s->current++;
-        TRY(count_masked(s, s->current, err));
+        TRY(look_at_pixels(s, s->current, err));
     } while (stamp >= s->chips[s->current].chip.first + s->chips[s->current].chip.n_stamps);
     return SHEAR_OK;
 }
@@ -113,7 +121,7 @@ int chip_scan_add(chip_scan *s, const shear_block *b, int i, unsigned flags, she
 int chip_scan_finish(chip_scan *s, sheard_validation_report *v, shear_error *err) {
     end_chip(s);
     while (s->current + 1 < s->n)
-        TRY(count_masked(s, ++s->current, err));
+        TRY(look_at_pixels(s, ++s->current, err));
     v->distortion_min = s->distortion_min;
     v->distortion_max = s->distortion_max;
     return SHEAR_OK;

@@ -2,6 +2,7 @@
 /* Warn of what is doubtful on the chips of an exposure, in words. */
 #include "local/chip_scan.h"
 #include "local/psf_size.h"
+#include "local/weight_map.h"
 
 #include "sheard/advice.h"
 
@@ -79,6 +80,10 @@ static const char *of_mask(const sheard_chip_report *r, const context *c, char *
     return line;
 }
 
+static const char *of_weight(const sheard_chip_report *r, const context *c, char *line) {
+    return weight_map_warning(r, c->input->exposure.weight_kind, line, LINE);
+}
+
 static const char *of_stars(const sheard_chip_report *r, const context *c, char *line) {
     const int stars = r->chip.psf_stars;
     (void)c;
@@ -125,8 +130,8 @@ static void add(warning_list *w, const sheard_chip_report *r, int n, int chips, 
 }
 
 void chip_scan_warn(const sheard_validation_report *v, const shear_input *input, warning_list *w) {
-    static chip_warning *const kinds[] = {of_positions, of_catalog,  of_noise, of_mask,
-                                          of_stars,     of_psf_size, of_wcs};
+    static chip_warning *const kinds[] = {of_positions, of_catalog, of_noise,    of_mask,
+                                          of_weight,    of_stars,   of_psf_size, of_wcs};
     const context c = {v, input};
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
         char line[LINE];

@@ -4,6 +4,7 @@
 
 #include "base/cleanup.h"
 #include "base/sort.h"
+#include "survey/cutout/mesh_relation.h"
 #include "survey/internal.h"
 #include "survey/second_moments.h"
 
@@ -160,7 +161,15 @@ int shear_chip_read(shear_field *field, int chip, const shear_chip_box *box, she
                               .nx = box->nx,
                               .ny = box->ny,
                               .value = box->value,
+                              .sigma = box->sigma,
                               .defect = box->defect,
                               .owner = box->owner};
     return chip_pixels_read(exposure_of(field)->held.pixels, &pixels, err);
+}
+
+int shear_chip_weight_slope(shear_field *field, int chip, double *slope, shear_error *err) {
+    TRY(check_chip(field, chip, err));
+    TRY(exposure_hold(exposure_of(field), chip, err));
+    *slope = mesh_relation_slope(cutter_noise(exposure_of(field)->held.cutter));
+    return SHEAR_OK;
 }

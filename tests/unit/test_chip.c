@@ -197,7 +197,7 @@ static void test_pixels(void **state) {
     static int32_t owner[W * H];
     shear_field *field = open_with("one.fits");
     (void)state;
-    const shear_chip_box corner = {X, Y, W, H, value, defect, NULL};
+    const shear_chip_box corner = {X, Y, W, H, value, defect, NULL, NULL};
     assert_int_equal(shear_chip_read(field, 1, &corner, NULL), SHEAR_OK);
     for (int i = 0; i < W * H; i++) {
         const int x = X + i % W;
@@ -206,13 +206,13 @@ static void test_pixels(void **state) {
         assert_int_equal(defect[i] & SHEAR_DEFECT_OUTSIDE, outside ? SHEAR_DEFECT_OUTSIDE : 0);
         assert_true(outside ? isnan(value[i]) : value[i] == pixel_of(1, x, y));
     }
-    const shear_chip_box hole = {290, 240, W, H, NULL, defect, owner};
+    const shear_chip_box hole = {290, 240, W, H, NULL, defect, owner, NULL};
     assert_int_equal(shear_chip_read(field, 0, &hole, NULL), SHEAR_OK);
     for (int i = 0; i < W * H; i++)
         assert_int_equal(defect[i] != 0, is_masked(290 + i % W, 240 + i / W));
     assert_int_equal(owner[9 * W + 9], MASKED + 1); /* the ellipse about the third source */
     assert_int_equal(owner[(H - 1) * W + W - 1], 0);
-    const shear_chip_box peak = {199, 150, 1, 1, value, defect, NULL};
+    const shear_chip_box peak = {199, 150, 1, 1, value, defect, NULL, NULL};
     assert_int_equal(shear_chip_read(field, 1, &peak, NULL), SHEAR_OK);
     assert_int_equal(defect[0], value[0] >= 480.0 ? SHEAR_DEFECT_SATURATED : 0);
     shear_field_close(field);

@@ -91,10 +91,16 @@ typedef struct shear_chip_box {
     double *value;   /**< as in the image */
     uint8_t *defect; /**< enum shear_defect */
     int32_t *owner;  /**< number of the object that the pixel belongs to; 0: sky */
+    float *sigma; /**< standard deviation by the weight map, up to a factor; NaN: there is none */
 } shear_chip_box;
 /** Read a box of a chip; faster row by row than column by column. SHEAR_E_SETTING: there is no such
  * chip; SHEAR_E_NOMEM and errors of reading. */
 int shear_chip_read(shear_field *field, int chip, const shear_chip_box *box, shear_error *err);
+
+/** Compute how the weight map's standard deviations go with those of the sky, from place to place:
+ * measured sigma is proportional to a power *slope of the map's, 1 for a right map. NaN: there is
+ * no map, it is flat, or they do not go together. Errors as of shear_chip_read(). */
+int shear_chip_weight_slope(shear_field *field, int chip, double *slope, shear_error *err);
 
 SHEAR_END_C
 

@@ -46,6 +46,10 @@ void cutter_free(cutter *c) {
     free(c);
 }
 
+const noise_mesh *cutter_noise(const cutter *c) {
+    return &c->sky.mesh;
+}
+
 static int check_options(const cutter_options *o, const chip_pixels *noise, shear_error *err) {
     if (o->stamp < SHEAR_MIN_SIDE || o->stamp > SHEAR_MAX_SIDE) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "stamps of %d px: expected %d to %d",

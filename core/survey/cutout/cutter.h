@@ -28,6 +28,7 @@
  *    where the galaxy has its light is left out. White noise has no plane to be subtracted. */
 #pragma once
 
+#include "survey/cutout/noise_mesh.h"
 #include "survey/pixels/chip_pixels.h"
 
 enum { CUTTER_FRAME = 8 }; /* pixels around a stamp, for its plane */
@@ -51,6 +52,8 @@ typedef struct cutter cutter;
 int cutter_new(cutter **c, chip_pixels *pixels, chip_pixels *noise, const cutter_options *options,
                shear_error *err);
 void cutter_free(cutter *c);
+/* Return the chip's noise. */
+const noise_mesh *cutter_noise(const cutter *c);
 
 /* A galaxy to be cut out. */
 typedef struct cutter_source {
