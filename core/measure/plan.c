@@ -48,7 +48,7 @@ static void place_waves(shear_plan *plan, arena *a) {
     const mode_plane *p = &plan->transfer_plan.plane;
     psf_waves_place(&plan->waves, p, g->psf_nx, g->psf_ny, a);
     if (a->memory != NULL)
-        psf_waves_fill(&plan->waves, p, 1.0 / g->psf_oversample, 0);
+        psf_waves_fill(&plan->waves, p, &(shear_psf_model){.step = 1.0 / g->psf_oversample});
 }
 
 /* Place a model: its tables, and a copy of its samples. */

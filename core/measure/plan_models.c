@@ -58,7 +58,7 @@ static int fill_basis(plan_model *of, const mode_plane *p, shear_error *err) {
     if (memory == NULL)
         return out_of_memory(err);
     model_scratch_place(&scratch, p, m, &a);
-    psf_waves_fill(&scratch.waves, p, m->step, m->lanczos);
+    psf_waves_fill(&scratch.waves, p, m);
     psf_basis_fill(&of->basis, p, &scratch.waves, m->samples, scratch.rows);
     return SHEAR_OK;
 }

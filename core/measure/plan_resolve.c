@@ -232,7 +232,10 @@ static const char *model_fault(const shear_psf_model *m, int terms, const shear_
                ? "size of its planes"
            : !modes && (!(m->step > 0.0) || !isfinite(m->step)) ? "step"
            : m->lanczos < 0 || m->lanczos > 32                  ? "order of the Lanczos kernel"
-                                                                : NULL;
+           : !(m->smoothed_px >= 0.0 && m->smoothed_px <= SHEAR_MAX_PSF_SIDE) ||
+                   (m->smoothed_px > 0.0 && m->axes != SHEAR_PSF_AXES_PIXEL)
+               ? "smoothing"
+               : NULL;
 }
 
 /* Check the models, and find the coarsest of their samplings. */

@@ -4,6 +4,8 @@
 #include "base/simd.h"
 #include "measure/lanczos.h"
 
+#include <math.h>
+
 void psf_waves_place(psf_waves *w, const mode_plane *p, int nx, int ny, arena *a) {
     const size_t along_x = (2 * (size_t)p->max_jx + 1) * (size_t)nx;
     const size_t along_y = p->stride * (size_t)ny;
@@ -15,9 +17,23 @@ void psf_waves_place(psf_waves *w, const mode_plane *p, int nx, int ny, arena *a
                      .y_im = arena_doubles(a, along_y)};
 }
 
-/* Fill one mode's n samples; phase: radians per sample. */
-static void fill_mode(double phase, int n, int lanczos, double *re, double *im) {
-    const double kernel = lanczos > 0 ? lanczos_transform(lanczos, phase) : 1.0;
+/* The order of the kernel that has smoothed samples. */
+enum { SMOOTHED = 3 };
+
+/* Return the transform of the kernel between samples over that of the one that has smoothed them,
+ * at k radians per pixel. The latter is taken no smaller than at
+ * its half power, beyond which no PSF that is sampled so has any. */
+static double kernel_at(const shear_psf_model *m, double k) {
+    const double between = m->lanczos > 0 ? lanczos_transform(m->lanczos, k * m->step) : 1.0;
+    if (!(m->smoothed_px > 0.0))
+        return between;
+    return between / lanczos_transform(SMOOTHED, fmin(fabs(k) * m->smoothed_px, M_PI));
+}
+
+/* Fill one mode's n samples; k: radians per pixel. */
+static void fill_mode(const shear_psf_model *m, double k, int n, double *re, double *im) {
+    const double kernel = kernel_at(m, k);
+    const double phase = k * m->step;
     for (int i = 0; i < n; i++) {
         const double x = phase * (i - 0.5 * (n - 1));
         re[i] = kernel * cos(x);
@@ -25,14 +41,14 @@ static void fill_mode(double phase, int n, int lanczos, double *re, double *im) 
     }
 }
 
-void psf_waves_fill(psf_waves *w, const mode_plane *p, double step, int lanczos) {
+void psf_waves_fill(psf_waves *w, const mode_plane *p, const shear_psf_model *m) {
     for (int jx = -p->max_jx; jx <= p->max_jx; jx++) {
         const size_t at = (size_t)(jx + p->max_jx) * (size_t)w->nx;
-        fill_mode(2.0 * M_PI / p->nx * jx * step, w->nx, lanczos, w->x_re + at, w->x_im + at);
+        fill_mode(m, 2.0 * M_PI / p->nx * jx, w->nx, w->x_re + at, w->x_im + at);
     }
     for (int jy = 0; jy < (int)p->stride; jy++) {
         const size_t at = (size_t)jy * (size_t)w->ny;
-        fill_mode(2.0 * M_PI / p->ny * jy * step, w->ny, lanczos, w->y_re + at, w->y_im + at);
+        fill_mode(m, 2.0 * M_PI / p->ny * jy, w->ny, w->y_re + at, w->y_im + at);
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/arena.h"
 #include "measure/mode_plane.h"
+#include "shear/psf.h"
 
 /* Immutable once filled. r is counted from the middle of the image. */
 typedef struct psf_waves {
@@ -14,9 +15,8 @@ typedef struct psf_waves {
 } psf_waves;
 
 void psf_waves_place(psf_waves *w, const mode_plane *p, int nx, int ny, arena *a);
-/* Fill the tables for samples that are `step` pixels apart, with the transform of the Lanczos
- * kernel of this order between them (0: none). */
-void psf_waves_fill(psf_waves *w, const mode_plane *p, double step, int lanczos);
+/* Fill the tables for a model's samples along x and y, with the transforms of its kernels. */
+void psf_waves_fill(psf_waves *w, const mode_plane *p, const shear_psf_model *m);
 
 /* Transform samples[ny][nx] along y, for the rows of one group: rows[FFT_LANES][re, im][nx]. */
 void psf_waves_along_y(const psf_waves *w, const double *samples, int group, double *rows);

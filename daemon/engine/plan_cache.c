@@ -39,7 +39,8 @@ struct plan_cache {
 /* ---- keys ---- */
 
 static void write_model(FILE *out, const shear_psf_model *m) {
-    fprintf(out, "%d;%d;%d;%d;%a;%d;", m->nx, m->ny, m->terms, m->axes, m->step, m->lanczos);
+    fprintf(out, "%d;%d;%d;%d;%a;%d;%a;", m->nx, m->ny, m->terms, m->axes, m->step, m->lanczos,
+            m->smoothed_px);
     fwrite(m->samples, sizeof *m->samples, (size_t)m->terms * (size_t)m->nx * (size_t)m->ny, out);
 }
 

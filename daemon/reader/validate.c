@@ -52,7 +52,9 @@ static bool axes_are_valid(const shear_psf_model *m, const shear_field_info *inf
 bool validate_model(const shear_psf_model *m, const shear_field_info *info) {
     return in_range(m->nx, 1, info->geometry.psf_nx) && in_range(m->ny, 1, info->geometry.psf_ny) &&
            m->terms == info->psf_terms && axes_are_valid(m, info) && m->step > 1e-9 &&
-           m->step < 1e9 && in_range(m->lanczos, 0, 32);
+           m->step < 1e9 && in_range(m->lanczos, 0, 32) && m->smoothed_px >= 0.0 &&
+           m->smoothed_px <= SHEAR_MAX_PSF_SIDE &&
+           (m->smoothed_px == 0.0 || m->axes == SHEAR_PSF_AXES_PIXEL);
 }
 
 /* Terminate the text, and return whether it is printable. */

@@ -174,6 +174,55 @@ static void test_lanczos_transform(void **state) {
     assert_near(lanczos_transform(4, 0.0), 1.0, 1e-15, 1.0, "at 0");
 }
 
+static double lanczos3(double t) {
+    const double x = M_PI * t;
+    return fabs(t) < 1e-9 ? 1.0 : fabs(t) >= 3.0 ? 0.0 : 3.0 * sin(x) * sin(x / 3.0) / (x * x);
+}
+
+/* Return the star at (x, y) from its middle, interpolated from pixels one of which is at (dx, dy),
+ * by weights that are divided by their sum. */
+static double interpolated(const gaussian *star, double x, double y, double dx, double dy) {
+    const double det = star->xx * star->yy - star->xy * star->xy;
+    double sum = 0.0;
+    double weights = 0.0;
+    for (double v = ceil(y - dy - 3.0) + dy; v < y + 3.0; v++) {
+        for (double u = ceil(x - dx - 3.0) + dx; u < x + 3.0; u++) {
+            const double weight = lanczos3(u - x) * lanczos3(v - y);
+            const double q = star->yy * u * u - 2.0 * star->xy * u * v + star->xx * v * v;
+            sum += weight * exp(-0.5 * q / det);
+            weights += weight;
+        }
+    }
+    return sum / weights;
+}
+
+/* A model that is the mean of stars, anywhere on their pixels, that were interpolated from these.
+ */
+static void test_smoothed(void **state) {
+    (void)state;
+    enum { PLACES = 5 };
+    static sky_scene s;
+    const double step = 0.7;
+    make(&s);
+    const gaussian star = sky_scene_on_pixels(&s, &s.psf);
+    for (int i = 0; i < SAMPLES; i++) {
+        const double x = step * (i % SCENE_PSF_SIDE - SCENE_PSF_SIDE / 2);
+        const double y = step * (i / SCENE_PSF_SIDE - SCENE_PSF_SIDE / 2);
+        s.samples[i] = 0.0;
+        for (int k = 0; hypot(x, y) < 14.0 && k < PLACES * PLACES; k++)
+            s.samples[i] += interpolated(&star, x, y, k % PLACES / 5.0, k / PLACES / 5.0);
+    }
+    const shear_row exact = gaussian_row(&s.galaxy, &s.psf, beta);
+    shear_psf_model model = model_of(s.samples, step);
+    const sky_way way = {.model = &model, .beta_px = beta};
+    const shear_row raw = sky_scene_measure(&s, &way, NULL);
+    model.smoothed_px = 1.0;
+    const shear_row divided = sky_scene_measure(&s, &way, NULL);
+    const double truth = exact.n1 / exact.d;
+    assert_true(fabs(raw.n1 / raw.d / truth - 1.0) > 5e-4);
+    assert_true(fabs(divided.n1 / divided.d / truth - 1.0) < 1e-5);
+}
+
 /* |W|^2 itself, on the modes. */
 static void test_modes(void **state) {
     (void)state;
@@ -402,8 +451,8 @@ static void test_refused(void **state) {
     (void)state;
     static double samples[9];
     const shear_psf_model good = {.nx = 3, .ny = 3, .terms = 1, .step = 0.5, .samples = samples};
-    shear_psf_model bad[9];
-    for (int i = 0; i < 9; i++)
+    shear_psf_model bad[11];
+    for (int i = 0; i < 11; i++)
         bad[i] = good;
     bad[0].terms = 0;
     bad[1].terms = SHEAR_MAX_PSF_TERMS + 1;
@@ -414,7 +463,9 @@ static void test_refused(void **state) {
     bad[6].lanczos = -1;
     bad[7].axes = SHEAR_PSF_AXES_MODES;
     bad[8].axes = SHEAR_PSF_AXES_SKY; /* without a scale */
-    for (int i = 0; i < 9; i++) {
+    bad[9].smoothed_px = NAN;
+    bad[10].smoothed_px = -1.0;
+    for (int i = 0; i < 11; i++) {
         const shear_plan_request request = {.geometry = {.nx = SCENE_SIDE, .ny = SCENE_SIDE},
                                             .models = &bad[i],
                                             .n_models = 1,
@@ -434,6 +485,7 @@ int main(void) {
                                        cmocka_unit_test(test_sky_axes),
                                        cmocka_unit_test(test_lanczos),
                                        cmocka_unit_test(test_lanczos_transform),
+                                       cmocka_unit_test(test_smoothed),
                                        cmocka_unit_test(test_modes),
                                        cmocka_unit_test(test_quality),
                                        cmocka_unit_test(test_bad_terms),

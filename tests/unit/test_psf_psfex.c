@@ -84,12 +84,40 @@ static void test_groups(void **state) {
                         "MAG_AUTO, 51 of 60 stars, chi2/dof 1.05");
     assert_int_equal(psf_models_contexts(p, 0, &names), 1);
     assert_string_equal(names[0], "MAG_AUTO");
-    assert_true(m->nx == NX && m->ny == NY && m->terms == TERMS && m->lanczos == 0);
+    assert_true(m->nx == NX && m->ny == NY && m->terms == TERMS);
     assert_true(m->axes == SHEAR_PSF_AXES_PIXEL && m->step == 0.597);
     check(p, 0, planes, (double[]){0.0, 0.0, 0.0});
     check(p, 0, planes, (double[]){0.5, -0.25, 0.125});
     check(p, 0, planes, (double[]){-0.9, 1.0, 3.0});
     psf_models_close(p);
+}
+
+static void check_kernels(const char *path, int lanczos, double smoothed_px) {
+    psf_models *p = psf_fixture_open(path, SHEAR_PSF_KIND_AUTO, 32);
+    const shear_psf_model *m = psf_models_get(p, 0);
+    assert_int_equal(m->lanczos, lanczos);
+    assert_true(m->smoothed_px == smoothed_px);
+    psf_models_close(p);
+}
+
+/* Samples were interpolated from pixels, or steps that are wider; or they were fitted to the stars:
+ * those of a PSF below 3 px, and those on a basis of functions. */
+static void test_kernels(void **state) {
+    (void)state;
+    const psf_fixture_column columns[] = {
+        {"PSF_MASK", "35E", "(7,5)", planes, NULL}, {"PSF_COEFFS", "3E", NULL, planes, NULL}, {0}};
+    const char *path = model("420E", "(7,5,12)", three);
+    check_kernels(path, 0, 1.0);
+    fixture_patch(path, "PSF_DATA", "PSF_FWHM", "3.0");
+    check_kernels(path, 0, 1.0);
+    fixture_patch(path, "PSF_DATA", "PSF_FWHM", "2.9");
+    check_kernels(path, 3, 0.0);
+    check_kernels(model("35E", "(7,5)", constant), 0, 1.3);
+    fitsfile *f = begin();
+    psf_fixture_table(f, "PSF_DATA", 1, columns);
+    psf_fixture_keys(f, constant);
+    fixture_close(f);
+    check_kernels(fixture_path("model.psf"), 3, 0.0);
 }
 
 static void test_reach(void **state) {
@@ -389,12 +417,12 @@ static int setup(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_robust),        cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_reach),         cmocka_unit_test(test_constant),
-        cmocka_unit_test(test_chips),         cmocka_unit_test(test_rows),
-        cmocka_unit_test(test_bad_keywords),  cmocka_unit_test(test_bad_samples),
-        cmocka_unit_test(test_snapshots),     cmocka_unit_test(test_evaluated),
-        cmocka_unit_test(test_legacy_survey),
+        cmocka_unit_test(test_robust),      cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_kernels),     cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_constant),    cmocka_unit_test(test_chips),
+        cmocka_unit_test(test_rows),        cmocka_unit_test(test_bad_keywords),
+        cmocka_unit_test(test_bad_samples), cmocka_unit_test(test_snapshots),
+        cmocka_unit_test(test_evaluated),   cmocka_unit_test(test_legacy_survey),
     };
     return cmocka_run_group_tests(tests, setup, fixture_teardown);
 }

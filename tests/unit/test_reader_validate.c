@@ -97,6 +97,11 @@ static void models(void **state) {
     WRONG(step, 1e-300);
     WRONG(lanczos, 33);
     WRONG(lanczos, -1);
+    WRONG(smoothed_px, NAN);
+    WRONG(smoothed_px, -1.0);
+    m.smoothed_px = 1.0; /* along the axes of the sky */
+    assert_false(validate_model(&m, &info));
+    m.smoothed_px = 0.0;
     WRONG(axes, (enum shear_psf_axes)7);
     WRONG(axes, SHEAR_PSF_AXES_MODES); /* which are on the grid of the stamps: 64 x 48 */
     info.geometry.psf_nx = m.nx = 64;

@@ -20,6 +20,7 @@ static const struct {
     {"STEP", offsetof(shear_psf_model, step), true, 1e-6, 1e6},
     {"AXES", offsetof(shear_psf_model, axes), false, 0, SHEAR_PSF_AXES_MODES},
     {"LANCZOS", offsetof(shear_psf_model, lanczos), false, 0, 32},
+    {"SMOOTHED", offsetof(shear_psf_model, smoothed_px), true, 0, SHEAR_MAX_PSF_SIDE},
     {"NX", offsetof(shear_psf_model, nx), false, SHEAR_MIN_PSF_SIDE, SHEAR_MAX_PSF_SIDE},
     {"NY", offsetof(shear_psf_model, ny), false, SHEAR_MIN_PSF_SIDE, SHEAR_MAX_PSF_SIDE},
 };

@@ -95,6 +95,9 @@ typedef struct shear_psf_model {
     double step;           /**< between samples, pixels or arcsec; need not be a whole part of 1 */
     int lanczos;           /**< order n of the Lanczos kernel that interpolates between samples; its
                               transform multiplies that of the samples; 0: none */
+    double smoothed_px;    /**< > 0: the samples have been interpolated from pixels by the Lanczos
+                              kernel of order 3 of this scale, in pixels, whose transform is divided
+                              out (docs/method.md 3.3); with SHEAR_PSF_AXES_PIXEL only */
     const double *samples; /**< [terms][ny][nx] */
 } shear_psf_model;
 

@@ -138,8 +138,7 @@ static int read_samples(psf_chip *c, const psf_record *r, shear_error *err) {
     c->model = (shear_psf_model){.nx = (int)axes[0],
                                  .ny = (int)axes[1],
                                  .terms = (int)axes[2],
-                                 .axes = SHEAR_PSF_AXES_PIXEL,
-                                 .lanczos = 0}; /* docs/method.md section 3.3 */
+                                 .axes = SHEAR_PSF_AXES_PIXEL};
     return SHEAR_OK;
 }
 
@@ -148,6 +147,7 @@ static int read_samples(psf_chip *c, const psf_record *r, shear_error *err) {
 typedef struct psfex_fit {
     int loaded, accepted; /* stars; -1: not given */
     double chi2, samp;    /* NaN: not given */
+    double fwhm;          /* pixels; NaN: not given */
 } psfex_fit;
 
 /* Read a number; one that is not finite, as PSFEx writes it after some failures, is INFINITY. */
@@ -163,11 +163,12 @@ static int read_result(const psf_record *r, const char *name, double *value, she
 }
 
 static int read_fit(psfex_fit *f, const psf_record *r, shear_error *err) {
-    *f = (psfex_fit){-1, -1, NAN, NAN};
+    *f = (psfex_fit){-1, -1, NAN, NAN, NAN};
     TRY(psf_record_int(r, "LOADED", 0, INT_MAX, &f->loaded, err));
     TRY(psf_record_int(r, "ACCEPTED", 0, INT_MAX, &f->accepted, err));
     TRY(read_result(r, "CHI2", &f->chi2, err));
     TRY(read_result(r, "PSF_SAMP", &f->samp, err));
+    TRY(read_result(r, "PSF_FWHM", &f->fwhm, err));
     return isnan(f->samp) ? psf_record_fail(r, "PSF_SAMP", "is missing", err) : SHEAR_OK;
 }
 
@@ -201,6 +202,29 @@ static void describe(psf_chip *c, const psfex_fit *f) {
         text_append(c->text, sizeof c->text, ", chi2/dof %.2f", f->chi2);
 }
 
+/* ---- kernels: docs/method.md section 3.3 ---- */
+
+enum { LANCZOS = 3 };
+
+/* FWHM in pixels below which PSFEx, by its default (BASIS_TYPE PIXEL_AUTO), fits the samples to the
+ * stars. */
+static const double fitted_fwhm = 3.0;
+
+/* Set the kernels. Samples are means of stars that were interpolated from pixels, or of wider
+ * steps; or they were fitted so that interpolation between them gives the stars. Models on a basis
+ * of functions, whose coefficients are given, are fitted, too. */
+static int set_kernels(shear_psf_model *m, const psf_record *r, const psfex_fit *f,
+                       shear_error *err) {
+    const sf_column *coefficients = NULL;
+    TRY(sf_table_find(&r->table, "PSF_COEFFS", &coefficients, err));
+    if (coefficients != NULL || f->fwhm < fitted_fwhm) {
+        m->lanczos = LANCZOS;
+    } else {
+        m->smoothed_px = fmax(1.0, m->step);
+    }
+    return SHEAR_OK;
+}
+
 /* ---- models ---- */
 
 static void note_failure(psf_chip *c, const char *why) {
@@ -217,6 +241,7 @@ static int read_model(psf_chip *c, const psf_record *r, shear_error *err) {
         TRY(read_polynomial(c, r, err));
         TRY(read_samples(c, r, err));
         c->model.step = fit.samp;
+        TRY(set_kernels(&c->model, r, &fit, err));
         why = failure_of_model(&fit, c);
     }
     if (why != NULL) {
