@@ -4,6 +4,7 @@
 #include "base/cleanup.h"
 #include "base/fingerprint.h"
 #include "base/text.h"
+#include "fits/header/meds.h"
 
 #include <stdio.h>
 
@@ -37,7 +38,8 @@ static int open_file(sf_parts *p, const char *path, int fd, const sf_file **file
     sf_file *f = &p->files[p->n_files];
     p->n_files++; /* so that it is closed, also after an error */
     *file = f;
-    return sf_file_open(f, path, fd, err);
+    TRY(sf_file_open(f, path, fd, err));
+    return sf_meds_refuse(f, err);
 }
 
 /* ---- HDUs ---- */

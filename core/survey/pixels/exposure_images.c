@@ -2,6 +2,7 @@
 #include "survey/pixels/exposure_images.h"
 
 #include "base/cleanup.h"
+#include "fits/header/meds.h"
 #include "survey/pixels/internal.h"
 
 #include <math.h>
@@ -25,7 +26,8 @@ static int open_file(exposure_images *e, const char *path, int fd, const sf_file
     sf_file *f = &e->files[e->n_files];
     e->paths[e->n_files++] = path; /* so that it is closed, also after an error */
     *file = f;
-    return sf_file_open(f, path, fd, err);
+    TRY(sf_file_open(f, path, fd, err));
+    return sf_meds_refuse(f, err);
 }
 
 /* List the images of a layer's file, and those of it that the layer may be. */

@@ -3,6 +3,7 @@
 
 #include "base/cleanup.h"
 #include "base/text.h"
+#include "fits/header/meds.h"
 #include "survey/psf/image_cube.h"
 #include "survey/psf/internal.h"
 #include "survey/psf/piff.h"
@@ -132,6 +133,7 @@ int psf_models_open(psf_models **out, const shear_input_part *part, int fd,
     p->stamp = stamp;
     p->file.source.fd = -1;
     TRY(sf_file_open(&p->file, part->path, fd, err));
+    TRY(sf_meds_refuse(&p->file, err));
     TRY(choose_hdu(p, part, err));
     TRY(read_models(p, kind, err));
     TRY(finish(p, err));
