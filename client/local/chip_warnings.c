@@ -2,6 +2,7 @@
 /* Warn of what is doubtful on the chips of an exposure, in words. */
 #include "local/chip_scan.h"
 #include "local/psf_size.h"
+#include "local/sources_away.h"
 #include "local/weight_map.h"
 
 #include "sheard/advice.h"
@@ -43,6 +44,8 @@ static const char *of_catalog(const sheard_chip_report *r, const context *c, cha
     (void)c;
     if (n > 0 && 2 * away <= n)
         return NULL;
+    if (sources_away_warning(&r->chip, line, LINE) != NULL)
+        return line;
     if (n == 0) {
         snprintf(line, LINE,
                  "none of its %" PRId64 " sources is selected: look at FLAGS and at --select",

@@ -3,16 +3,34 @@
 
 #include "base/cleanup.h"
 #include "local/psf_size.h"
+#include "local/sources_away.h"
+#include "sheard/advice.h"
 #include "terminal/message.h"
 
 #include <string.h>
+
+/* Warn of what is wrong with a chip as far as it is known without its pixels. */
+static void warn_of_chips(const shear_field *field, warning_list *warnings) {
+    const double median = psf_size_median(field);
+    for (int i = 0; i < shear_field_chips(field); i++) {
+        shear_chip chip;
+        char line[SHEARD_ADVICE_SIZE];
+        if (shear_field_get_chip(field, i, &chip, NULL) == SHEAR_OK &&
+            (sources_away_warning(&chip, line, sizeof line) != NULL ||
+             psf_size_warning(&chip, line, sizeof line) != NULL ||
+             psf_size_odd(&chip, median, line, sizeof line) != NULL)) {
+            warnings_add(warnings, "chip %d (%s): %s", i + 1,
+                         chip.name[0] != '\0' ? chip.name : "no EXTNAME", line);
+        }
+    }
+}
 
 /* Open and check the file. `name` is the name of its field; NULL: the file must contain one. */
 static int look_into(measure_input *input, const char *name, shear_error *err) {
     shear_field *field = NULL;
     TRY(shear_field_open_input(&field, &input->source, NULL, err));
     input->info = *shear_field_get_info(field);
-    psf_size_warn(field, &input->warnings);
+    warn_of_chips(field, &input->warnings);
     shear_field_close(field);
     TRY(shear_input_checksum(&input->source, NULL, &input->info, input->checksum, err));
     return name != NULL

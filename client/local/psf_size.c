@@ -3,7 +3,6 @@
 
 #include "base/cleanup.h"
 #include "base/sort.h"
-#include "sheard/advice.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,8 +26,8 @@ const char *psf_size_warning(const shear_chip *chip, char *line, size_t size) {
     return line;
 }
 
-/* Return the median R_PSF of the chips' PSFs; NaN for fewer than four chips. */
-static double median_size(const shear_field *field, int chips) {
+double psf_size_median(const shear_field *field) {
+    const int chips = shear_field_chips(field);
     CLEANUP(release_free) double *size = malloc((size_t)(chips + 1) * sizeof *size);
     size_t n = 0;
     for (int i = 0; i < chips && size != NULL; i++) {
@@ -42,8 +41,7 @@ static double median_size(const shear_field *field, int chips) {
     return size[n / 2];
 }
 
-/* A PSF that differs much from those of the other chips is a failed fit. */
-static const char *other_size(const shear_chip *chip, double median, char *line, size_t size) {
+const char *psf_size_odd(const shear_chip *chip, double median, char *line, size_t size) {
     if (!(fabs(chip->r_psf_px / median - 1.0) > ODD))
         return NULL;
     snprintf(line, size,
@@ -51,19 +49,4 @@ static const char *other_size(const shear_chip *chip, double median, char *line,
              "look at its stars",
              chip->r_psf_px, median);
     return line;
-}
-
-void psf_size_warn(const shear_field *field, warning_list *warnings) {
-    const int chips = shear_field_chips(field);
-    const double median = median_size(field, chips);
-    for (int i = 0; i < chips; i++) {
-        shear_chip chip;
-        char line[SHEARD_ADVICE_SIZE];
-        if (shear_field_get_chip(field, i, &chip, NULL) == SHEAR_OK &&
-            (psf_size_warning(&chip, line, sizeof line) != NULL ||
-             other_size(&chip, median, line, sizeof line) != NULL)) {
-            warnings_add(warnings, "chip %d (%s): %s", i + 1,
-                         chip.name[0] != '\0' ? chip.name : "no EXTNAME", line);
-        }
-    }
 }

@@ -2,7 +2,6 @@
 /* psf_size.h: whether the PSF of a chip is as small as its sources are. */
 #pragma once
 
-#include "local/warnings.h"
 #include "shear/chip.h"
 
 #include <stddef.h>
@@ -10,5 +9,8 @@
 /* A PSF that is broader than many sources was made from galaxies. Write that, and return `line`;
  * NULL: nothing is wrong, or the sizes are unknown. */
 const char *psf_size_warning(const shear_chip *chip, char *line, size_t size);
-/* Add the warnings of all chips of an exposure, for `measure`. */
-void psf_size_warn(const shear_field *field, warning_list *warnings);
+/* Return the median R_PSF of the chips' PSFs; NaN for fewer than four chips. */
+double psf_size_median(const shear_field *field);
+/* A PSF that differs much from those of the other chips is a failed fit. Write that, and return
+ * `line`; NULL: it does not. */
+const char *psf_size_odd(const shear_chip *chip, double median, char *line, size_t size);

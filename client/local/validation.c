@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/validation.h"
 
+#include "local/chip_scan.h"
+#include "local/sources_away.h"
 #include "shear/settings.h"
 #include "sheard/advice.h"
 #include "sheard/no_shear.h"
@@ -62,6 +64,24 @@ static void fail_no_shear(const sheard_validation_report *v, shear_error *words)
                sheard_no_shear_text(&v->result, text, sizeof text));
 }
 
+/* Return the first chip whose coordinates place it where the catalog has no sources; NULL: none. */
+static const sheard_chip_report *find_astray(const sheard_validation_report *v) {
+    for (int i = 0; i < v->n_chips; i++) {
+        if (sources_away_far(&v->chips[i].chip))
+            return &v->chips[i];
+    }
+    return NULL;
+}
+
+static void fail_astray(const sheard_chip_report *r, shear_error *words) {
+    char name[96];
+    char line[SHEARD_ADVICE_SIZE];
+    shear_fail(words, SHEAR_E_FORMAT,
+               "correct its coordinates (--wcs), or leave the chip out: it would not be measured",
+               "chip %s: %s", chip_scan_name(r, name, sizeof name),
+               sources_away_warning(&r->chip, line, sizeof line));
+}
+
 void validation_conclude(sheard_validation_report *v, shear_error *words) {
     const int64_t n = v->field->n_stamps;
     sheard_cause cause;
@@ -70,6 +90,8 @@ void validation_conclude(sheard_validation_report *v, shear_error *words) {
     } else if (v->n_measurable < 2) {
         shear_fail(words, SHEAR_E_FORMAT, "a field's shear needs two usable stamps at least",
                    "only %" PRId64 " of %" PRId64 " stamps could be measured", v->n_measurable, n);
+    } else if (find_astray(v) != NULL) {
+        fail_astray(find_astray(v), words);
     } else if (v->measured && sheard_cause_of(&v->result, v->plan, &cause)) {
         shear_fail(words, SHEAR_E_FORMAT, cause.advice, "%s: %s", cause.words,
                    v->result.valid ? "the shear is biased" : "no shear could be measured");

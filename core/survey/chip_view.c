@@ -74,6 +74,8 @@ int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shea
                          .first = c->first,
                          .n_stamps = c->stamps.n,
                          .n_sources = c->stamps.n_sources,
+                         .nearest_source_deg = c->sky.nearest_deg,
+                         .corner_deg = c->sky.corner_deg,
                          .table = c->table,
                          .has_wcs = c->mapped,
                          .model = c->model,

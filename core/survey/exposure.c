@@ -170,6 +170,7 @@ static int check_amplifiers(const opening *o, int chip, const chip_inputs *in, s
 static int open_chip(opening *o, int chip, shear_error *err) {
     exposure *e = o->e;
     exposure_chip *c = &e->chips[chip];
+    c->sky = (near_chip){NAN, NAN};
     contexts wanted;
     CLEANUP(sky_map_release) sky_map *map = NULL;
     CLEANUP(source_list_deinit) source_list sources = {0};
@@ -194,7 +195,7 @@ static int open_chip(opening *o, int chip, shear_error *err) {
     exposure_images_size(e->images, chip, &in.nx, &in.ny);
     TRY(check_amplifiers(o, chip, &in, err));
     if (shared && map != NULL)
-        TRY(near_chip_keep(&sources, map, in.nx, in.ny, err));
+        TRY(near_chip_keep(&sources, map, in.nx, in.ny, &c->sky, err));
     TRY(noise_match(e, chip, part_of(o, SHEAR_PART_IMAGE)->path, part_of(o, SHEAR_PART_NOISE)->path,
                     &c->noise, err));
     TRY(chip_stamps_init(&c->stamps, &in, err));

@@ -5,6 +5,7 @@
 #include "fits/field/reader.h"
 #include "survey/chip_stamps.h"
 #include "survey/cutout/cutter.h"
+#include "survey/near_chip.h"
 
 /* A chip, as far as it is known without its pixels. */
 typedef struct exposure_chip {
@@ -15,6 +16,7 @@ typedef struct exposure_chip {
     int model;     /* of the PSF */
     bool mapped;   /* there is a map to the sky */
     int noise;     /* number of its noise image */
+    near_chip sky; /* of a catalog that serves several chips; else NaN */
 } exposure_chip;
 
 /* The chip whose pixels are held. */

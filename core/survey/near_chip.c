@@ -25,9 +25,9 @@ static double cosine(direction a, direction b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* Find the chip's middle, and the cosine of the distance from it within which sources remain.
- * Return false if some of the chip has no place on the sky. */
-static bool find_cap(sky_map *map, int nx, int ny, direction *middle, double *least) {
+/* Find the chip's middle, and the distance of its farthest corner, radians. Return false if some of
+ * the chip has no place on the sky. */
+static bool find_cap(sky_map *map, int nx, int ny, direction *middle, double *corner) {
     double x[POINTS];
     double y[POINTS];
     double ra[POINTS];
@@ -44,21 +44,27 @@ static bool find_cap(sky_map *map, int nx, int ny, direction *middle, double *le
             return false;
         farthest = fmin(farthest, cosine(*middle, direction_of(ra[i], dec[i])));
     }
-    const double reach = factor * acos(fmax(-1.0, farthest)) + margin_deg * degree;
-    *least = cos(fmin(reach, M_PI));
+    *corner = acos(fmax(-1.0, farthest));
     return true;
 }
 
-int near_chip_keep(source_list *sources, sky_map *map, int nx, int ny, shear_error *err) {
+int near_chip_keep(source_list *sources, sky_map *map, int nx, int ny, near_chip *found,
+                   shear_error *err) {
     direction middle;
-    double least = -1.0;
-    if (!find_cap(map, nx, ny, &middle, &least))
-        return SHEAR_OK;
+    double corner = NAN;
+    double nearest = -2.0;
+    const bool placed = find_cap(map, nx, ny, &middle, &corner);
+    const double least = cos(fmin(factor * corner + margin_deg * degree, M_PI));
     CLEANUP(release_free) int64_t *near = calloc((size_t)sources->n + 1, sizeof *near);
     if (near == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the sources of a chip");
-    for (int64_t i = 0; i < sources->n; i++)
-        near[i] = cosine(middle, direction_of(sources->ra[i], sources->dec[i])) >= least;
+    for (int64_t i = 0; i < sources->n; i++) {
+        const double c = cosine(middle, direction_of(sources->ra[i], sources->dec[i]));
+        near[i] = !placed || c >= least;
+        nearest = fmax(nearest, c); /* which is not NaN */
+    }
+    *found = (near_chip){placed && nearest >= -1.5 ? acos(fmin(nearest, 1.0)) / degree : INFINITY,
+                         corner / degree};
     source_list_keep(sources, near, 1);
     return SHEAR_OK;
 }

@@ -23,12 +23,16 @@ SHEAR_BEGIN_C
 
 /** A chip, and what was found for it. Texts are the field's. */
 typedef struct shear_chip {
-    const char *name;     /**< EXTNAME of its image; "" if it has none */
-    int nx;               /**< columns, pixels */
-    int ny;               /**< rows, pixels */
-    int64_t first;        /**< number in the field of its first stamp */
-    int64_t n_stamps;     /**< sources that are selected; their stamps have consecutive numbers */
-    int64_t n_sources;    /**< rows of its table of sources whose position is on the chip */
+    const char *name;  /**< EXTNAME of its image; "" if it has none */
+    int nx;            /**< columns, pixels */
+    int ny;            /**< rows, pixels */
+    int64_t first;     /**< number in the field of its first stamp */
+    int64_t n_stamps;  /**< sources that are selected; their stamps have consecutive numbers */
+    int64_t n_sources; /**< rows of its table of sources whose position is on the chip */
+    /** Of a table that serves several chips: the distance of its nearest row from the chip's
+     * middle, degrees; infinite if some of the chip has no place on the sky. Of others: NaN. */
+    double nearest_source_deg;
+    double corner_deg;    /**< in the same case: the distance of the farthest corner */
     int table;            /**< that table among those of the catalog, from 0 */
     bool has_wcs;         /**< there is a map from its pixels to the sky */
     int model;            /**< its PSF model, from 0 */
