@@ -34,6 +34,20 @@ static void weigh_components(const shear_row *row, double *x) {
         x[i] = row->weight * parts[i];
 }
 
+/* A stamp is bright if noise changes D by less than this part of M20 + M02, and sharper than its
+ * PSF if D is below minus this part of it, by SHARP_SIGMA errors: a PSF that is 4 % too broad makes
+ * a point source so (docs/method.md, section 5.1). */
+static const double SHARP_PART = 0.02, SHARP_SIGMA = 3.0;
+
+static bool is_bright(const shear_row *row) {
+    const double least = SHARP_PART * (row->m20 + row->m02);
+    return row->d_err < least && fabs(row->noise_d) < least && row->weight > 0.0;
+}
+
+static bool is_sharp(const shear_row *row) {
+    return row->d < -SHARP_PART * (row->m20 + row->m02) - SHARP_SIGMA * row->d_err;
+}
+
 /* Fill in a term and the next one, its square. */
 static void put_with_square(double *terms, enum shear_term term, double x) {
     terms[term] = x;
@@ -61,6 +75,9 @@ bool block_terms(const shear_row *row, double *terms) {
     put_with_square(terms, SHEAR_S_BORDER_STEP_X, row->border_step_x);
     put_with_square(terms, SHEAR_S_BORDER_STEP_Y, row->border_step_y);
     put_with_square(terms, SHEAR_S_BORDER_STEP2, row->border_step2);
+    terms[SHEAR_S_BRIGHT] = is_bright(row) ? 1.0 : 0.0;
+    terms[SHEAR_S_SHARP] = is_bright(row) && is_sharp(row) ? 1.0 : 0.0;
+    terms[SHEAR_S_BRIGHT_TRIPLES] = terms[SHEAR_S_SHARP_TRIPLES] = 0.0;
     bool good = true;
     for (int term = 0; term < SHEAR_N_TERMS; term++)
         good = good && fabs(terms[term]) < largest_term;
@@ -71,6 +88,10 @@ static void add_influence(shear_block_sums *b, const double *x, int64_t stamp) {
     const double size = fmax(fmax(fabs(x[SHEAR_C_N1]), fabs(x[SHEAR_C_N2])), fabs(x[SHEAR_C_D]));
     if (size > b->top.size)
         b->top = (shear_influence){.size = size, .stamp = stamp};
+}
+
+static double pairs(double n) {
+    return 0.5 * n * (n - 1.0);
 }
 
 void shear_block_sums_add(shear_block_sums *b, const shear_row *row) {
@@ -86,6 +107,8 @@ void shear_block_sums_add(shear_block_sums *b, const shear_row *row) {
         return;
     b->n_used++;
     add_influence(b, terms + SHEAR_S_COMPONENT, row->stamp);
+    terms[SHEAR_S_BRIGHT_TRIPLES] = terms[SHEAR_S_BRIGHT] * pairs(b->hi[SHEAR_S_BRIGHT]);
+    terms[SHEAR_S_SHARP_TRIPLES] = terms[SHEAR_S_SHARP] * pairs(b->hi[SHEAR_S_SHARP]);
     for (int term = 0; term < SHEAR_N_TERMS; term++)
         add_term(b, term, terms[term]);
 }

@@ -251,6 +251,11 @@ static void take_to_frame(const stamp_pair *s, spectra *sp) {
     moments_take_to_frame(&sp->cross, map);
 }
 
+/* Return the pixels of which the filter leaves the noise. */
+static double noise_area(const stamp_pair *s) {
+    return s->filter != NULL ? filter_pair_pixels(s->filter)->sum : (double)s->pixels;
+}
+
 static int measure_one(stamp_pair *s, shear_row *row, shear_error *err) {
     const shear_plan *plan = s->plan;
     if (!begin_row(s, row))
@@ -273,6 +278,7 @@ static int measure_one(stamp_pair *s, shear_row *row, shear_error *err) {
         spectra_forget_noise(&sp);
     take_to_frame(s, &sp);
     row_fill_noise(row, &sp, plan);
+    row_fill_d_err(row, &sp, plan, noise_area(s));
     if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS)
         row_fill_cross(row, &sp.cross, plan->info.beta, plan->r_psf);
     row_fill_moments(row, &sp.difference, plan->info.beta);

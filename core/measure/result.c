@@ -133,6 +133,21 @@ static double noise_of_d(const rounded *r, double n, double level_err) {
     return sqrt(2.0 * level * level * scatter_of_noise(r, n) + by_level * by_level);
 }
 
+/* Return a sum of ones. Text may say anything. */
+static int64_t count_of(double sum) {
+    return sum >= 0.0 && sum < 9007199254740992.0 ? (int64_t)sum : 0;
+}
+
+/* Count what is sharper than its PSF (docs/method.md, section 5.1). */
+static void fill_resolution(shear_result *out, const rounded *r) {
+    out->n_bright = count_of(r->t[SHEAR_S_BRIGHT]);
+    out->n_sharp = count_of(r->t[SHEAR_S_SHARP]);
+    out->bright_triples = count_of(r->t[SHEAR_S_BRIGHT_TRIPLES]);
+    out->sharp_triples = count_of(r->t[SHEAR_S_SHARP_TRIPLES]);
+    if (r->t[SHEAR_S_POWER] > 0.0)
+        out->resolution = out->sum_d / r->t[SHEAR_S_POWER];
+}
+
 static void fill_influence(shear_result *out, const rounded *r, shear_influence top) {
     combination d = {{0.0}};
     d.c[SHEAR_C_D] = 1.0;
@@ -250,6 +265,7 @@ shear_result result_unknown(void) {
     r.signal = r.n_eff = r.top_share = NAN;
     r.noise_level = r.noise_level_err = r.noise_effect = r.noise_share = r.high_galaxy = NAN;
     r.noise_shape = r.noise_shape_err = NAN;
+    r.resolution = NAN;
     r.mean_flux = r.filter_removed = r.filter_removed_err = NAN;
     r.border_excess = r.border_excess_err = r.border_rough = r.border_rough_err = NAN;
     r.border_noise_var = r.border_step_x = r.border_step_x_err = NAN;
@@ -271,6 +287,7 @@ void shear_field_result(const shear_field_sums *f, shear_result *out) {
         fill_diagnostics(out, r.t);
         fill_noise(out, &r);
         fill_influence(out, &r, f->top);
+        fill_resolution(out, &r);
         out->signal = out->sum_d / noise_of_d(&r, n, out->noise_level_err);
     }
     out->why = no_shear(out, &r, shear_field_sums_frame(f));

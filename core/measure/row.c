@@ -13,7 +13,7 @@ void row_init(shear_row *row, int64_t stamp, double weight, enum shear_frame fra
                        .artefact_x = -1,
                        .artefact_y = -1,
                        .flags = flags};
-    row->n1 = row->n2 = row->d = row->u = row->v = NAN;
+    row->n1 = row->n2 = row->d = row->d_err = row->u = row->v = NAN;
     row->m20 = row->m02 = row->m11 = row->m4 = NAN;
     row->flux = row->snr = row->flux_removed = NAN;
     row->border_mean = row->border_var = row->border_var_noise = NAN;
@@ -52,6 +52,20 @@ void row_fill_cross(shear_row *row, const moments *m, double beta, double r_psf)
     row->cross_d = a * (m->m20 + m->m02 - 0.5 * lower * m->m4);
     row->cross_u = a * lower / beta2 * m->u;
     row->cross_v = a * lower / beta2 * m->v;
+}
+
+/* The noise's M20 + M02 tells its power, the galaxy's the flux. The rest are integrals over modes
+ * with a Gaussian PSF of R_PSF (docs/method.md, section 5.1). */
+void row_fill_d_err(shear_row *row, const spectra *sp, const shear_plan *plan, double area) {
+    const double r2 = plan->info.r_psf_px * plan->info.r_psf_px;
+    const double beta2 = plan->info.beta_px * plan->info.beta_px;
+    const double a = fmax(beta2 - r2, 0.1 * r2);
+    const double c = beta2 + a;
+    const double weights = (2.0 - 6.0 * beta2 / c + 6.0 * beta2 * beta2 / (c * c)) / (c * c * c);
+    const double power = sp->difference.m20 + sp->difference.m02;
+    const double noise = sp->noise.m20 + sp->noise.m02;
+    if (plan->settings.noise_correction)
+        row->d_err = beta2 * a * sqrt(16.0 * M_PI * weights * fmax(power, 0.0) * noise / area);
 }
 
 void row_fill_moments(shear_row *row, const moments *m, double beta) {

@@ -158,7 +158,7 @@ void sheard_advice_all(sheard_advice_list *list, const shear_result *r, const sh
         sheard_advice_noise_level,  sheard_advice_noise_unchecked, sheard_advice_noise_shape,
         sheard_advice_errors,       sheard_advice_filter,          sheard_advice_bright_border,
         sheard_advice_rough_border, sheard_advice_gradient,        sheard_advice_many_artefacts,
-        sheard_advice_centring};
+        sheard_advice_centring,     sheard_advice_broad_psf};
     list->n = 0;
     const char *line = sheard_advice_influence(r, top_file, list->text[0], SHEARD_ADVICE_SIZE);
     if (line != NULL)

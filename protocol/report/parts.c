@@ -63,6 +63,15 @@ json_t *parts_influence(const shear_result *r, const char *top_file) {
         {"top_stamp", json_text_index(r->top_stamp)}, {"top_file", json_text_string(top_file)});
 }
 
+json_t *parts_resolution(const shear_result *r) {
+    if (r == NULL)
+        return json_null();
+    return JSON_OBJECT({"mean", json_text_number(r->resolution)},
+                       {"bright", json_integer(r->n_bright)}, {"sharp", json_integer(r->n_sharp)},
+                       {"bright_triples", json_integer(r->bright_triples)},
+                       {"sharp_triples", json_integer(r->sharp_triples)});
+}
+
 json_t *parts_no_shear(const shear_result *r) {
     return json_text_string(r != NULL && !r->valid ? sheard_no_shear_name(r->why) : NULL);
 }

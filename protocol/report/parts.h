@@ -20,6 +20,8 @@ json_t *parts_centring(const shear_centring *c);
 json_t *parts_noise_level(const shear_result *r);
 /* Make {"n_eff", "top_share", "top_stamp", "top_file"}. */
 json_t *parts_influence(const shear_result *r, const char *top_file);
+/* Make {"mean", "bright", "sharp", "bright_triples", "sharp_triples"}. */
+json_t *parts_resolution(const shear_result *r);
 /* Make the name of the reason why there is no shear; null if there is one. */
 json_t *parts_no_shear(const shear_result *r);
 /* Make {"g1", "g2"}. */

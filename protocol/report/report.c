@@ -65,7 +65,7 @@ static json_t *report_object(const sheard_report *report) {
         {"jackknife", r->jackknife != 0 ? json_integer(r->jackknife) : json_null()},
         {"truth", truth(report)}, {"pull", pull(report)}, {"delta_err", delta_err(r)},
         {"no_shear", parts_no_shear(r)}, {"noise_level", parts_noise_level(r)},
-        {"influence", parts_influence(r, report->top_file)},
+        {"influence", parts_influence(r, report->top_file)}, {"resolution", parts_resolution(r)},
         {report->estimators != NULL ? "estimators" : "", estimates(report->estimators)},
         {"filter_removed", json_text_number(r->filter_removed)},
         {"warnings", json_text_strings(report->warnings, report->n_warnings)},

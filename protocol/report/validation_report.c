@@ -67,7 +67,7 @@ static json_t *report_object(const sheard_validation_report *v) {
         {"weight_follows_flux",
          v->scanned ? json_text_number(v->weight_follows_flux) : json_null()},
         {"no_shear", parts_no_shear(result)}, {"noise_level", parts_noise_level(result)},
-        {"influence", parts_influence(result, NULL)},
+        {"influence", parts_influence(result, NULL)}, {"resolution", parts_resolution(result)},
         {"version", json_text_string(shear_version())});
 }
 

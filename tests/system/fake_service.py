@@ -19,6 +19,7 @@ REPORT = {"field": "deep", "g1": 0.0285, "g1_err": 0.0008, "g2": -0.0301, "g2_er
           "noise_level": {"alpha": 1.002, "alpha_err": 0.003, "effect": 0.0004, "shape": 0.01, "shape_err": 0.02,
                           "share": 0.2},
           "influence": {"n_eff": 512.5, "top_share": 0.031, "top_stamp": 17, "top_file": "/data/1.fits"},
+          "resolution": {"mean": 0.31, "bright": 80, "sharp": 0, "bright_triples": 240, "sharp_triples": 0},
           "filter_removed": 0.001, "warnings": ["the borders are bright"], "version": "0.1.0", "seconds": 1.5}
 
 

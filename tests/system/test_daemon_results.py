@@ -15,7 +15,7 @@ import unittest
 
 import daemon
 from daemon import SHEARCTL, DaemonTest, mock, until
-from fitsfile import Field
+from fitsfile import Field, gaussian
 
 TIMED = ("seconds",)
 MEASURE_ONLY = ("estimators",)
@@ -264,6 +264,27 @@ class ResultsTest(DaemonTest):
             self.assertEqual(lines(d.shearctl("show", str(job["id"]))), told(path))
             self.assertEqual(lines(d.shearctl("field", "w")), told(*paths[:k + 1]))
         self.assertEqual(len(told(*paths)), len(names))
+
+    def test_a_psf_that_is_too_broad(self):
+        """Of a job and of its field, as by measure; its counts leave the field with it."""
+        d = self.daemon()
+        field = Field(n=40, nx=48, ny=48, r_psf=1.5, name="b")
+        field.galaxy[::5] = [gaussian(48, 48, 1000, (2.25, 2.25, 0.0)) for _ in range(8)]
+        good = field.write(d.path("data", "good.fits"))
+        field.psf = gaussian(48, 48, 1.0, (1.8 ** 2, 1.8 ** 2, 0.0))
+        bad = field.write(d.path("data", "bad.fits"))
+        first = d.wait_state(d.submit(good)["id"], "done")
+        self.assertEqual(first["result"]["resolution"]["sharp"], 0)
+        second = d.wait_state(d.submit(bad)["id"], "done")
+        self.assertSame(without_times(second["result"]), without_times(measure([bad], {})), "job")
+        self.assertIn("sharper than their PSF", "".join(second["result"]["warnings"]))
+        both = self.report_of(self.row(d, "b"))
+        self.assertEqual((both["resolution"]["bright"], both["resolution"]["sharp"]), (80, 8))
+        self.assertIn("8 of 80 bright stamps", "".join(both["warnings"]))
+        d.call("retract", id=second["id"])
+        alone = self.report_of(self.row(d, "b"))
+        self.assertEqual(alone["resolution"], first["result"]["resolution"])
+        self.assertEqual(alone["warnings"], first["result"]["warnings"])
 
     def test_separate_parts(self):
         d = self.daemon()

@@ -13,8 +13,8 @@ from tool import DONE, INPUT, PARTLY, USAGE, ToolTest, shearctl
 
 KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", "n_flagged",
         "flags", "settings", "resolved", "files", "estimator", "error_method", "jackknife", "truth", "pull",
-        "delta_err", "no_shear", "noise_level", "influence", "estimators", "filter_removed", "warnings", "version",
-        "seconds"]
+        "delta_err", "no_shear", "noise_level", "influence", "resolution", "estimators", "filter_removed", "warnings",
+        "version", "seconds"]
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
          "bad_r_gal", "overflow", "artefact", "noise_artefact", "edge", "hole", "saturated",
          "neighbour", "no_noise", "no_position"]

@@ -5,13 +5,13 @@ import math
 import random
 import unittest
 
-from fitsfile import Field
+from fitsfile import Field, gaussian
 from tool import DONE, INPUT, PARTLY, ToolTest, shearctl
 
 KEYS = ["path", "good", "verdict", "advice", "field", "settings", "resolved", "psf",
         "warnings", "n_measurable",
         "flags", "negative", "lowest_pixel", "noise", "weight_follows_flux", "no_shear", "noise_level", "influence",
-        "version"]
+        "resolution", "version"]
 
 
 class Validate(ToolTest):
@@ -226,7 +226,7 @@ class Validate(ToolTest):
         field.columns = [("WEIGHT", "D", [1.0 + 0.1 * i for i in range(37)])]
         path = field.write(self.path("a.fits"))
         verdict, result = self.validate(path), self.measure_one(path)
-        for key in ("noise_level", "no_shear", "warnings"):
+        for key in ("noise_level", "no_shear", "resolution", "warnings"):
             self.assertEqual(verdict[key], result[key], key)
         self.assertEqual({**verdict["influence"], "top_file": path}, result["influence"])
 
@@ -275,6 +275,23 @@ class Validate(ToolTest):
         (warning,) = verdict["warnings"]
         self.assertIn("different spectrum", warning)
         self.assertIn("different spectrum", verdict["verdict"])
+
+    def test_a_psf_that_is_too_broad(self):
+        """Eight of 40 sources are points."""
+        field = Field(n=40, nx=48, ny=48, r_psf=1.5)
+        field.galaxy[::5] = [gaussian(48, 48, 1000, (2.25, 2.25, 0.0)) for _ in range(8)]
+        verdict = self.validate(field.write(self.path("a.fits")))
+        self.assertEqual((verdict["resolution"]["bright"], verdict["resolution"]["sharp"]), (40, 0))
+        self.assertEqual((verdict["good"], verdict["warnings"]), (True, []))
+        field.psf = gaussian(48, 48, 1.0, (1.8 ** 2, 1.8 ** 2, 0.0))
+        answer = shearctl("validate", "--json", field.write(self.path("b.fits")))
+        self.assertCode(answer, INPUT)
+        (verdict,) = answer.json()
+        self.assertIn("sharper than their PSF", verdict["verdict"])
+        self.assertEqual(verdict["resolution"]["sharp"], 8)
+        (warning,) = verdict["warnings"]
+        self.assertTrue(warning.startswith("8 of 40 bright stamps are sharper than their PSF"), warning)
+        self.assertEqual(self.measure_one(self.path("b.fits"))["warnings"], [warning])
 
     def test_one_stamp_that_decides(self):
         field = Field(n=60, nx=32, ny=32, size=2.0, sigma=1.0)

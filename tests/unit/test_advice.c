@@ -381,6 +381,55 @@ static void many_artefacts(void **state) {
     assert_null(sheard_advice_many_artefacts(&r, &plan, text, sizeof text));
 }
 
+/* Of `bright` stamps `sharp` are sharper than their PSF, with triples in blocks. */
+static const char *broad(int64_t bright, int64_t sharp, int64_t of_bright, int64_t of_sharp,
+                         const shear_plan_info *info) {
+    shear_result r = sound();
+    r.n_bright = bright;
+    r.n_sharp = sharp;
+    r.bright_triples = of_bright;
+    r.sharp_triples = of_sharp;
+    return sheard_advice_broad_psf(&r, info, text, sizeof text);
+}
+
+static void stamps_sharper_than_their_psf(void **state) {
+    (void)state;
+    shear_plan_info info = plan;
+    info.geometry = (shear_geometry){.nx = 64, .ny = 64};
+    info.beta_px = 3.2;
+    assert_null(broad(0, 0, 0, 0, &info));
+    assert_null(broad(40, 4, 100, 1, &info)); /* too few to be sure */
+    assert_null(broad(1000, 50, 2000, 1, &info));
+    assert_non_null(broad(1000, 51, 2000, 1, &info));
+    assert_non_null(strstr(text, "51 of 1000 bright stamps are sharper than their PSF, which"));
+    /* one chip of 60: few in all, but in the same blocks */
+    assert_null(broad(9000, 70, 20000, 9, &info));
+    assert_non_null(broad(9000, 70, 20000, 10, &info));
+    assert_non_null(strstr(text, "and come together"));
+    assert_null(broad(9000, 440, 20000, 40, &info)); /* 2.3 by chance */
+
+    shear_result r = sound();
+    sheard_cause cause;
+    r.n_bright = 100;
+    r.n_sharp = 40;
+    assert_true(sheard_cause_of(&r, &info, &cause));
+    assert_non_null(strstr(cause.words, "the PSF is too broad"));
+    r.valid = false;
+    r.why = SHEAR_TOO_NARROW; /* has words of its own */
+    assert_false(sheard_cause_of(&r, &info, &cause));
+    r.why = SHEAR_NO_SIGNAL;
+    assert_true(sheard_cause_of(&r, &info, &cause));
+
+    shear_plan_info narrow = info;
+    narrow.r_psf_px = 0.55;
+    assert_null(broad(100, 40, 0, 0, &narrow)); /* aliases */
+    narrow.interpolation = SHEAR_INTERP_LOG_BICUBIC;
+    assert_non_null(broad(100, 40, 0, 0, &narrow));
+    shear_plan_info small = info;
+    small.geometry = (shear_geometry){.nx = 22, .ny = 22};
+    assert_null(broad(100, 40, 0, 0, &small)); /* periodic */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_noise_level_that_matters),
@@ -399,6 +448,7 @@ int main(void) {
         cmocka_unit_test(many_artefacts),
         cmocka_unit_test(reasons_have_names),
         cmocka_unit_test(reasons_in_words),
+        cmocka_unit_test(stamps_sharper_than_their_psf),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

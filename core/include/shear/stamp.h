@@ -137,6 +137,8 @@ typedef struct shear_row {
     double noise_d;  /**< the same for d */
     double noise_u;  /**< the same, as the symmetry needs it: -(beta^2/2) u */
     double noise_v;  /**< the same, as the symmetry needs it: -2 beta^2 v */
+    double d_err; /**< 1 sigma that noise would give d, were this a point source that is as bright
+                     (docs/method.md section 5.1); NaN without the correction */
     double high_galaxy;      /**< mean power of the galaxy stamp in shear_plan_info.noise_band, as a
                                 variance per pixel of the filtered stamp; 0 without a band */
     double high_noise;       /**< the same of the noise stamp */

@@ -84,7 +84,11 @@ enum shear_term {
     SHEAR_S_BORDER_STEP_Y2,                             /**< border_step_y^2 */
     SHEAR_S_BORDER_STEP2,                               /**< border_step2 */
     SHEAR_S_BORDER_STEP4,                               /**< border_step2^2 */
-    SHEAR_N_TERMS                                       /**< number of terms */
+    SHEAR_S_BRIGHT,         /**< 1 for a bright stamp: one whose D noise changes little */
+    SHEAR_S_SHARP,          /**< 1 for a bright stamp that is sharper than its PSF: D < 0 */
+    SHEAR_S_BRIGHT_TRIPLES, /**< triples of bright stamps in a block */
+    SHEAR_S_SHARP_TRIPLES,  /**< triples of sharp stamps in a block */
+    SHEAR_N_TERMS           /**< number of terms */
 };
 
 /** Return the term of w^2 x_i x_j. */
@@ -200,6 +204,16 @@ typedef struct shear_result {
                            not measured */
     double noise_share; /**< the noise stamps' fraction of sum w D: sum w noise D / sum w D */
     double mean_flux;   /**< of the used stamps */
+    int64_t n_bright;   /**< bright stamps: were they point sources, noise would make D an error of
+                           less than 2 % of M20 + M02 (docs/method.md section 5.1) */
+    int64_t n_sharp; /**< of these those that are sharper than their PSF, by 3 errors of D and 2 %
+                        of M20 + M02 */
+    int64_t bright_triples; /**< triples of bright stamps in a block of SHEAR_BLOCK stamps */
+    int64_t sharp_triples;  /**< triples of sharp stamps in such a block: on a chip whose PSF is
+                               wrong they come together */
+    double resolution; /**< sum w D / sum w (M20 + M02), at the noise level: 0 for point sources,
+                          1 - beta^2/(beta^2 + s^2) for galaxies of radius s, < 0 for what is
+                          sharper than its PSF */
     double filter_removed;     /**< fraction of the stacked flux that the filter removes */
     double filter_removed_err; /**< its 1 sigma */
     double border_excess;      /**< mean border pixel, galaxy minus noise */

@@ -70,6 +70,11 @@ sheard_advice sheard_advice_small_stamps;
  * galaxies they are found in. */
 sheard_advice sheard_advice_many_artefacts;
 
+/* More than 5 % of the bright stamps (and 5) are sharper than their PSF, or fewer, but in the same
+ * blocks (docs/method.md section 5.1): the PSF is too broad. Not where noise, aliases or small
+ * stamps may have made them so. */
+sheard_advice sheard_advice_broad_psf;
+
 /* The light of galaxies is not where their positions are: they count from another pixel, or belong
  * to another image. */
 sheard_advice sheard_advice_centring;
@@ -77,8 +82,8 @@ sheard_advice sheard_advice_centring;
 const char *sheard_advice_positions(const shear_centring *c, char *buf, size_t size);
 
 /* A cause that makes the shear wrong by more than a percent, or prevents it, and cannot be
- * corrected: noise stamps without noise or with noise of another spectrum, or stamps that are too
- * small (by an estimate of more than 10 %). sheard_cause_of returns false if there is none. The
+ * corrected: noise stamps without noise or with noise of another spectrum, stamps that are too small
+ * (by an estimate of more than 10 %), or a PSF that is too broad. sheard_cause_of returns false if there is none. The
  * strings are static. */
 typedef struct sheard_cause {
     const char *words, *advice;
@@ -100,7 +105,7 @@ const char *sheard_advice_influence(const shear_result *r, const char *top_file,
 
 /* All warnings: those of `shearctl measure` and of the service. */
 enum {
-    SHEARD_RESULT_ADVICES = 13,
+    SHEARD_RESULT_ADVICES = 14,
     SHEARD_PSF_ADVICES = SHEAR_N_PSF_FLAWS + 1,
     SHEARD_ADVICES = 1 + SHEARD_RESULT_ADVICES + SHEARD_PSF_ADVICES,
     SHEARD_ADVICE_SIZE = 640

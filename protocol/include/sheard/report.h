@@ -59,7 +59,8 @@ typedef struct sheard_report {
  * without truth) delta_err{g1,g2} (null if the errors are the delta method's) no_shear
  * (sheard/no_shear.h; null if there is a shear)
  * noise_level{alpha,alpha_err,effect,shape,shape_err,share}
- * influence{n_eff,top_share,top_stamp,top_file} (shear/sums.h)
+ * influence{n_eff,top_share,top_stamp,top_file}
+ * resolution{mean,bright,sharp,bright_triples,sharp_triples} (shear/sums.h)
  * estimators{name:{g1,g1_err,g2,g2_err,cov12,error_method}} (only of `shearctl measure`: absent if
  * `estimators` is NULL; null if it is empty) filter_removed warnings[] version seconds. */
 int sheard_report_json(char **text, const sheard_report *report, shear_error *err);
