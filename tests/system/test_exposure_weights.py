@@ -40,7 +40,8 @@ class Kinds(ExposureTest):
                 if read == held:
                     self.assertNotIn("weight", told)
                 else:
-                    self.assertIn(f"as a map of kind '{held}' does, but it is read as '{read}': give --weight-kind {held}", told)
+                    self.assertIn(f"as a map of kind '{held}' does, but it is read as '{read}': give --weight-kind "
+                                  f"{held}", told)
 
     def test_even_noise(self):
         """Nothing can be said of a flat map, but that its bad pixels have great weights."""

@@ -208,6 +208,7 @@ static void one_exposure(sheard_msg_exposure *e, uint64_t *seed) {
     for (int i = 0; i < 8; i++)
         one_image(files[i], i < 3 || coin(seed), seed);
     one_choice(&e->weight_kind, "rms", seed);
+    one_choice(&e->amplifiers, "8x2", seed);
     one_choice(&e->mask_bad, "bits=6", seed);
     one_choice(&e->columns, "x=XWIN_IMAGE,y=YWIN_IMAGE", seed);
     one_choice(&e->psf_kind, "psfex", seed);
