@@ -86,6 +86,27 @@ static int open_files(opening *o, shear_error *err) {
     return e->options.noise == SHEAR_NOISE_IMAGE ? open_noise(o, err) : SHEAR_OK;
 }
 
+/* Return the number of the HDU that was chosen for a part; -1: none, or all of that name. */
+static int64_t chosen_hdu(const opening *o, enum shear_part part) {
+    const shear_input_part *chosen = part_of(o, part);
+    if (chosen->path == NULL)
+        return -1;
+    if (chosen->extname == NULL)
+        return chosen->hdu;
+    switch (part) {
+    case SHEAR_PART_CATALOG:
+        return source_catalog_hdu(o->catalog);
+    case SHEAR_PART_PSF:
+        return psf_models_hdu(o->e->psf);
+    case SHEAR_PART_NOISE:
+        return o->e->noise_images != NULL
+                   ? exposure_images_hdu(o->e->noise_images, 0, SHEAR_PART_IMAGE)
+                   : -1;
+    default:
+        return exposure_images_hdu(o->e->images, 0, part);
+    }
+}
+
 static const char *table_name(const void *self, int i) {
     return source_catalog_chip(self, i);
 }
@@ -305,10 +326,6 @@ static int describe(opening *o, shear_error *err) {
                                       SHEAR_COL_PSF_TERMS | SHEAR_COL_JACOBIAN | SHEAR_COL_DROPPED,
                            .bitpix = -64,
                            .separate = true};
-    for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        const shear_input_part *part = part_of(o, (enum shear_part)i);
-        info->hdu[i] = part->path == NULL ? -1 : part->hdu >= 0 ? part->hdu : 0;
-    }
     if (sf_field_name_of_file(info->name, base != NULL ? base + 1 : image->path,
                               (sf_place){image->path, NULL}, NULL) != SHEAR_OK) {
         info->name[0] = '\0';
@@ -352,6 +369,8 @@ int exposure_open(shear_field **field, const shear_input *input, const int *fds,
     CLEANUP(opening_deinit) opening o = {.e = e, .input = input, .fds = fds};
     TRY(describe(&o, err));
     TRY(open_files(&o, err));
+    for (int i = 0; i < SHEAR_N_PARTS; i++)
+        e->base.info.hdu[i] = chosen_hdu(&o, (enum shear_part)i);
     TRY(take_models(e, err));
     TRY(open_chips(&o, err));
     e->base.info.file_bytes = exposure_images_bytes(e->images);

@@ -281,11 +281,12 @@ class Counting(Exposures):
         """One job for each chip: together as much as there is, and no chip is another's duplicate."""
         exposure = self.expose()
         n = 0
-        for chip in ("CHIP1", "CHIP2", "chip2"):
-            files = {key: {**exposure[key], "extname": chip} for key in ("image", "weight", "mask")}
-            job = self.submit({**exposure, **files, "select": f"CHIP == {chip[-1]}"})
+        for chip in ("CHIP1", "CHIP2", "chip2", 1):
+            choice = {"hdu": chip} if chip == 1 else {"extname": chip}
+            files = {key: {**exposure[key], **choice} for key in ("image", "weight", "mask")}
+            job = self.submit({**exposure, **files, "select": f"CHIP == {str(chip)[-1]}"})
             self.assertEqual((job["state"], job["outcome"]),
-                             ("done", "duplicate" if chip == "chip2" else "counted"), job["message"])
+                             ("done", "duplicate" if chip in ("chip2", 1) else "counted"), job["message"])
             n += job["result"]["n_stamps"] if job["outcome"] == "counted" else 0
         self.assertEqual(n, self.d.call("field", field="exp")["rows"][0]["n_stamps"])
         self.assertEqual(n, measured_exposure(exposure)["n_stamps"])

@@ -148,6 +148,7 @@ static void test_what_belongs_to_a_chip(void **state) {
         assert_true(c.nx == NX && c.ny == NY && c.has_wcs && c.table == i && c.model == 0);
         assert_true(c.first == i * SOURCES && c.n_stamps == SOURCES);
         assert_int_equal(c.n_sources, SOURCES - 1);
+        assert_true(isnan(c.nearest_source_deg)); /* a table of its own */
         assert_int_equal(c.hdu[SHEAR_PART_IMAGE], 1 + i);
         assert_int_equal(c.hdu[SHEAR_PART_MASK], 2 - i);
         assert_int_equal(c.hdu[SHEAR_PART_WEIGHT], -1);
@@ -237,6 +238,66 @@ static void test_psf(void **state) {
     check_psf("many.fits", 0.02); /* by its power */
 }
 
+static void identify(const shear_input *input, char sum[SHEAR_CHECKSUM_SIZE]) {
+    shear_field *field = NULL;
+    shear_error err = {0};
+    if (shear_field_open_input(&field, input, NULL, &err) != SHEAR_OK)
+        fail_msg("%s (%s)", err.message, err.advice);
+    assert_int_equal(shear_input_checksum(input, NULL, shear_field_get_info(field), sum, &err),
+                     SHEAR_OK);
+    shear_field_close(field);
+}
+
+/* The text whose hash services have stored, for HDUs that were chosen by number; -1: none was. */
+static void stored_identity(const shear_input *input, char sum[SHEAR_CHECKSUM_SIZE]) {
+    char text[1000] = "";
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        char file[SHEAR_CHECKSUM_SIZE];
+        const size_t used = strlen(text);
+        if (input->parts[i].path == NULL)
+            continue;
+        assert_int_equal(shear_file_checksum(input->parts[i].path, file, NULL), SHEAR_OK);
+        snprintf(text + used, sizeof text - used, "%s %s %lld \n", shear_part_name(i), file,
+                 (long long)input->parts[i].hdu);
+    }
+    shear_bytes_checksum(text, strlen(text), sum);
+}
+
+/* It is made from the HDUs that are meant: name or number, they are the same; other HDUs are not.
+ */
+static void test_identity(void **state) {
+    char stored[SHEAR_CHECKSUM_SIZE];
+    char sum[CHIPS + 1][SHEAR_CHECKSUM_SIZE];
+    shear_input input = input_of("one.fits");
+    (void)state;
+    identify(&input, sum[CHIPS]);
+    stored_identity(&input, stored);
+    assert_string_equal(sum[CHIPS], stored);
+    for (int chip = 0; chip < CHIPS; chip++) {
+        static const char *const names[2][CHIPS] = {{"N1", "N2"}, {"n1", "n2"}};
+        char other[SHEAR_CHECKSUM_SIZE];
+        input.parts[SHEAR_PART_IMAGE].hdu = 1 + chip;
+        input.parts[SHEAR_PART_MASK].hdu = 2 - chip;
+        input.parts[SHEAR_PART_CATALOG].hdu = 1;
+        input.parts[SHEAR_PART_PSF].hdu = 1;
+        identify(&input, sum[chip]);
+        stored_identity(&input, stored);
+        assert_string_equal(sum[chip], stored);
+        for (int k = 0; k < 2; k++) {
+            shear_input named = input;
+            named.parts[SHEAR_PART_IMAGE].extname = names[k][chip];
+            named.parts[SHEAR_PART_MASK].extname = names[1 - k][chip];
+            named.parts[SHEAR_PART_PSF].extname = "PSF";
+            named.parts[SHEAR_PART_IMAGE].hdu = named.parts[SHEAR_PART_MASK].hdu =
+                named.parts[SHEAR_PART_PSF].hdu = -1;
+            identify(&named, other);
+            assert_string_equal(other, sum[chip]);
+        }
+    }
+    assert_string_not_equal(sum[0], sum[1]);
+    assert_string_not_equal(sum[0], sum[CHIPS]);
+}
+
 static void test_what_is_not_there(void **state) {
     shear_field *field = open_with("one.fits");
     const shear_chip_box box = {.nx = 1, .ny = 1};
@@ -284,6 +345,7 @@ int main(void) {
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_pixels),
         cmocka_unit_test(test_psf),
+        cmocka_unit_test(test_identity),
         cmocka_unit_test(test_what_is_not_there),
         cmocka_unit_test(test_memory_that_runs_out),
     };

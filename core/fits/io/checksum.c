@@ -121,7 +121,9 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
     if (h == NULL || h->state == NULL || h->buffer == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a checksum");
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        const bool there = h->whole ? i == 0 : info != NULL && info->hdu[i] >= 0;
+        const bool there = h->whole                            ? i == 0
+                           : shear_input_is_exposure(h->input) ? input->parts[i].path != NULL
+                                                               : info != NULL && info->hdu[i] >= 0;
         h->hdu[i] = info != NULL ? (long long)info->hdu[i] : -1;
         h->file_of[i] = !there ? -1 : h->whole ? 0 : find_file(h, i);
     }
@@ -182,16 +184,17 @@ int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error 
     return SHEAR_OK;
 }
 
-/* Append which HDU a part is: its number; of an exposure, whose parts may be in many HDUs, how it
- * was chosen, in any case of letters. */
+/* Append which HDU a part is: its number; of an exposure, whose parts may be in many HDUs, that of
+ * the chosen one, -1 if none was; and if the chosen name is of several, that name, in any case of
+ * letters. */
 static void append_hdu(const shear_hashing *h, int part, char *text, size_t size) {
     const shear_input_part *chosen = &h->input->parts[part];
     if (!shear_input_is_exposure(h->input)) {
         text_append(text, size, "%lld\n", h->hdu[part]);
         return;
     }
-    text_append(text, size, "%lld ", (long long)chosen->hdu);
-    for (const char *c = chosen->extname; c != NULL && *c != '\0'; c++)
+    text_append(text, size, "%lld ", h->hdu[part]);
+    for (const char *c = chosen->extname; h->hdu[part] < 0 && c != NULL && *c != '\0'; c++)
         text_append(text, size, "%c", toupper((unsigned char)*c));
     text_append(text, size, "\n");
 }

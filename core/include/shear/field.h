@@ -112,7 +112,8 @@ typedef struct shear_field_info {
     bool gzipped;       /**< the whole file is; if the parts are in several files, any of them */
     int64_t file_bytes; /**< bytes on disk, of all files */
     bool separate;      /**< the parts are not those of one field file */
-    /** HDU of each part (enum shear_part), from 0; -1: the part is absent. */
+    /** HDU of each part (enum shear_part), from 0; -1: the part is absent. Of an exposure, the one
+     * that was chosen by number or name; -1: none, or all of that name. */
     int64_t hdu[SHEAR_N_PARTS];
 } shear_field_info;
 

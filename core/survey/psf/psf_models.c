@@ -153,6 +153,10 @@ void psf_models_close(psf_models *p) {
     free(p);
 }
 
+int64_t psf_models_hdu(const psf_models *p) {
+    return p->chosen != NULL ? p->chosen->number : -1;
+}
+
 int psf_models_count(const psf_models *p) {
     return p->n;
 }

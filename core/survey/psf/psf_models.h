@@ -26,6 +26,8 @@ int psf_models_open(psf_models **p, const shear_input_part *part, int fd, enum s
                     int stamp, shear_error *err);
 void psf_models_close(psf_models *p);
 
+/* Return the number of the HDU that was chosen for them; -1: none was. */
+int64_t psf_models_hdu(const psf_models *p);
 /* Return the number of models, one per chip, or one for all. */
 int psf_models_count(const psf_models *p);
 /* Return EXTNAME of the chip of model `i`; "" if unknown. */

@@ -62,6 +62,14 @@ int source_catalog_tables(const source_catalog *c) {
     return c->objects.n;
 }
 
+int64_t source_catalog_hdu(const source_catalog *c) {
+    for (int i = 1; i < c->objects.n; i++) {
+        if (c->objects.tables[i].hdu != c->objects.tables[0].hdu)
+            return -1;
+    }
+    return c->objects.n > 0 ? c->objects.tables[0].hdu->number : -1;
+}
+
 const char *source_catalog_chip(const source_catalog *c, int i) {
     return c->objects.tables[i].chip;
 }

@@ -22,6 +22,8 @@ int source_catalog_open(source_catalog **c, const shear_input_part *part, int fd
 void source_catalog_close(source_catalog *c);
 /* Return the number of tables of objects. */
 int source_catalog_tables(const source_catalog *c);
+/* Return the number of the HDU that has them; -1: several have. */
+int64_t source_catalog_hdu(const source_catalog *c);
 /* Return EXTNAME of the image that table `i` belongs to, from its LDAC header; "" if unknown. */
 const char *source_catalog_chip(const source_catalog *c, int i);
 /* Return the image's header from an LDAC catalog, [*count] cards of 80 characters, or NULL. */
