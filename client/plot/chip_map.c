@@ -59,8 +59,8 @@ static void draw_noise_boxes(shear_figure *f, const chip_survey *s, int stamp) {
     const shear_style style = line_of(SHEAR_GREEN, 0.45, 0.7);
     for (int64_t i = 0; i < s->chip.n_stamps; i++) {
         const shear_chip_place *p = &s->galaxies[i].place;
-        if (s->galaxies[i].flags == 0 && p->noise_x >= 0)
-            draw_box(f, p->noise_x, p->noise_y, stamp, &style);
+        for (int k = 0; k < p->n_noise && s->galaxies[i].flags == 0; k++)
+            draw_box(f, p->noise_x[k], p->noise_y[k], stamp, &style);
     }
 }
 

@@ -11,6 +11,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 _Static_assert((int)SHEAR_DEFECT_BAD == (int)PIXEL_BAD &&
                    (int)SHEAR_DEFECT_SATURATED == (int)PIXEL_SATURATED &&
@@ -116,8 +117,9 @@ int shear_chip_find(shear_field *field, int64_t stamp, shear_chip_place *place, 
                                 .flags = s->flags[i] | pair.flags,
                                 .box_x = pair.x,
                                 .box_y = pair.y,
-                                .noise_x = pair.noise_x,
-                                .noise_y = pair.noise_y};
+                                .n_noise = pair.n_noise};
+    memcpy(place->noise_x, pair.noise_x, sizeof place->noise_x);
+    memcpy(place->noise_y, pair.noise_y, sizeof place->noise_y);
     return SHEAR_OK;
 }
 

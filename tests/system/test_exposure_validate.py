@@ -146,11 +146,11 @@ class Plot(Exposure):
         options = self.expose()
         pictures = [self.plotted(*options, *more, out=f"{i}.png")[2]
                     for i, more in enumerate([[], [], ["--stamp-size", 48], ["--frame", "pixel"],
-                                              ["--select", "NUMBER > 5"]])]
+                                              ["--select", "NUMBER > 5"], ["--noise-stamps", 3]])]
         weight = options.index("--weight")
         del options[weight:weight + 2]
         pictures.append(self.plotted(*options, "--mask-bad", "bits=4", out="mask.png")[2])
-        self.assertEqual(len({bytes(p) for p in pictures}), 5)
+        self.assertEqual(len({bytes(p) for p in pictures}), 6)
         self.assertTrue(pictures[0] == pictures[1])
 
     def test_stamps_of_an_exposure(self):

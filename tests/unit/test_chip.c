@@ -179,10 +179,10 @@ static void test_places(void **state) {
     assert_int_equal(shear_chip_find(field, BEYOND, &beyond, NULL), SHEAR_OK);
     assert_int_equal(middle.flags, 0);
     assert_true(middle.box_x + STAMP / 2 == 199 && middle.box_y + STAMP / 2 == 150);
-    assert_true(middle.noise_x >= 0 && middle.noise_x + STAMP <= NX && middle.noise_y >= 0 &&
-                middle.noise_y + STAMP <= NY);
-    assert_true(abs(middle.noise_x - middle.box_x) >= STAMP ||
-                abs(middle.noise_y - middle.box_y) >= STAMP);
+    assert_true(middle.noise_x[0] >= 0 && middle.noise_x[0] + STAMP <= NX &&
+                middle.noise_y[0] >= 0 && middle.noise_y[0] + STAMP <= NY);
+    assert_true(abs(middle.noise_x[0] - middle.box_x) >= STAMP ||
+                abs(middle.noise_y[0] - middle.box_y) >= STAMP);
     assert_true(edge.flags & SHEAR_FLAG_EDGE);
     assert_true(masked.flags & SHEAR_FLAG_HOLE);
     assert_true(beyond.flags & SHEAR_FLAG_NO_POSITION);

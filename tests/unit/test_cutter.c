@@ -26,7 +26,7 @@ static void test_a_plane_is_subtracted(void **state) {
     for (int i = 0; i < 20; i++) {
         assert_int_equal(cut_at(&a, 60.3 + 10 * i, 200.0, R_GAL, i), 0);
         assert_int_equal(cut_at(&b, 60.3 + 10 * i, 200.0, R_GAL, i), 0);
-        assert_int_equal(a.pair.noise_x, b.pair.noise_x);
+        assert_int_equal(a.pair.noise_x[0], b.pair.noise_x[0]);
         for (int k = 0; k < N; k++) {
             assert_true(fabs(a.pair.galaxy[k] - b.pair.galaxy[k]) < 1e-9);
             assert_true(fabs(a.pair.noise[k] - b.pair.noise[k]) < 1e-9);
@@ -66,14 +66,14 @@ static void test_the_union_is_filled_in_both(void **state) {
     cut_init(&plain, c, NULL, &options);
     assert_int_equal(cut_at(&plain, 200, 200, R_GAL, 5), 0);
     assert_true(plain.pair.filled == 0.0);
-    const int dx = plain.pair.noise_x - plain.pair.x;
-    const int dy = plain.pair.noise_y - plain.pair.y;
+    const int dx = plain.pair.noise_x[0] - plain.pair.x;
+    const int dy = plain.pair.noise_y[0] - plain.pair.y;
     chip_damage(c, 185, 190, 1, 3, PIXEL_BAD);           /* the galaxy's */
     chip_damage(c, 214 + dx, 200 + dy, 2, 2, PIXEL_BAD); /* its noise stamp's */
     cut_fixture f;
     cut_init(&f, c, NULL, &options);
     assert_int_equal(cut_at(&f, 200, 200, R_GAL, 5), 0);
-    assert_int_equal(f.pair.noise_x, plain.pair.noise_x);
+    assert_int_equal(f.pair.noise_x[0], plain.pair.noise_x[0]);
     int changed = 0;
     for (int i = 0; i < N; i++) {
         const int x = i % STAMP + f.pair.x;
@@ -279,7 +279,7 @@ typedef struct copy {
 } copy;
 
 static copy copy_of(const cut_fixture *f) {
-    copy p = {.noise_x = f->pair.noise_x, .noise_y = f->pair.noise_y};
+    copy p = {.noise_x = f->pair.noise_x[0], .noise_y = f->pair.noise_y[0]};
     memcpy(p.galaxy, f->pair.galaxy, sizeof p.galaxy);
     memcpy(p.noise, f->pair.noise, sizeof p.noise);
     return p;

@@ -15,6 +15,7 @@
 #include "shear/field.h"
 #include "shear/input.h"
 #include "shear/linkage.h"
+#include "shear/stamp.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -61,8 +62,9 @@ typedef struct shear_chip_place {
     uint32_t flags; /**< enum shear_flag, those that the reader finds */
     int box_x;      /**< first column of the stamp, from 0; -1: it has no place */
     int box_y;      /**< first row */
-    int noise_x;    /**< the same of the first noise stamp; -1: it is no box of the chip */
-    int noise_y;    /**< first row */
+    int n_noise;    /**< noise stamps that are boxes of an image: all or none, unless flagged */
+    int noise_x[SHEAR_MAX_NOISE_PLANES]; /**< [n_noise] their first columns */
+    int noise_y[SHEAR_MAX_NOISE_PLANES]; /**< [n_noise] and rows */
 } shear_chip_place;
 /** Find the place of stamp `stamp` of the exposure, as shear_field_read() cuts it. SHEAR_E_SETTING:
  * there is no such stamp; SHEAR_E_NOMEM and errors of reading. */

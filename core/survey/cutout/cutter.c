@@ -2,7 +2,6 @@
 #include "survey/cutout/cutter.h"
 
 #include "base/cleanup.h"
-#include "shear/stamp.h"
 #include "survey/cutout/light.h"
 #include "survey/cutout/noise_boxes.h"
 #include "survey/cutout/plane.h"
@@ -260,27 +259,28 @@ static int take_near(cutter *c, int x, int y, const cutter_pair *pair, int k, bo
     return SHEAR_OK;
 }
 
+static void add_place(cutter_pair *pair, int x, int y) {
+    pair->noise_x[pair->n_noise] = x;
+    pair->noise_y[pair->n_noise++] = y;
+}
+
 /* Cut the noise stamps out of empty sky. */
 static int cut_near(cutter *c, const cutter_source *source, cutter_pair *pair, uint32_t *flags,
                     shear_error *err) {
     const draw_key key = {c->options.chip, source->id};
-    const int wanted = c->options.noise_stamps;
     int rejected = 0;
     int x = 0;
     int y = 0;
     noise_boxes_find(&c->boxes, pair->x, pair->y, key);
-    for (int k = 0; k < wanted;) {
+    while (pair->n_noise < c->options.noise_stamps) {
         if (rejected > MOST_REJECTED || !noise_boxes_draw(&c->boxes, &x, &y)) {
             *flags |= SHEAR_FLAG_NO_NOISE;
             return SHEAR_OK;
         }
         bool good;
-        TRY(take_near(c, x, y, pair, k, &good, err));
-        if (good && k == 0) {
-            pair->noise_x = x;
-            pair->noise_y = y;
-        }
-        k += good;
+        TRY(take_near(c, x, y, pair, pair->n_noise, &good, err));
+        if (good)
+            add_place(pair, x, y);
         rejected += !good;
     }
     return SHEAR_OK;
@@ -288,8 +288,7 @@ static int cut_near(cutter *c, const cutter_source *source, cutter_pair *pair, u
 
 static int cut_image(cutter *c, cutter_pair *pair, uint32_t *flags, shear_error *err) {
     TRY(read_noise(c, c->noise, pair->x - FRAME, pair->y - FRAME, err));
-    pair->noise_x = pair->x;
-    pair->noise_y = pair->y;
+    add_place(pair, pair->x, pair->y);
     if (!write_stamp(c, c->defect, pair->noise) || !unite(c))
         *flags |= SHEAR_FLAG_NO_NOISE;
     return SHEAR_OK;
@@ -384,7 +383,8 @@ int cutter_cut(cutter *c, const cutter_source *source, cutter_pair *pair, shear_
     const size_t n = (size_t)c->options.stamp * (size_t)c->options.stamp;
     pair->filled = 0.0;
     pair->sigma = NAN;
-    pair->x = pair->y = pair->noise_x = pair->noise_y = -1;
+    pair->x = pair->y = -1;
+    pair->n_noise = 0;
     TRY(cut(c, source, pair, &pair->flags, err));
     if (pair->flags != 0) {
         memset(pair->galaxy, 0, n * sizeof *pair->galaxy);

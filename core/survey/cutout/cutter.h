@@ -28,6 +28,7 @@
  *    where the galaxy has its light is left out. White noise has no plane to be subtracted. */
 #pragma once
 
+#include "shear/stamp.h"
 #include "survey/cutout/noise_mesh.h"
 #include "survey/pixels/chip_pixels.h"
 
@@ -64,14 +65,16 @@ typedef struct cutter_source {
 } cutter_source;
 /* What was cut. */
 typedef struct cutter_pair {
-    double *galaxy;       /* [stamp][stamp]; the caller's memory, like the next */
-    double *noise;        /* [noise_stamps][stamp][stamp] */
-    uint32_t flags;       /* SHEAR_FLAG_EDGE, HOLE, SATURATED, NEIGHBOUR, NO_NOISE, NO_POSITION; the
-                             stamps are zero with any of them */
-    double filled;        /* part of the stamp's pixels that was filled; 0 if flagged */
-    double sigma;         /* local standard deviation; NaN: unknown */
-    int x, y;             /* first pixel of the stamp, from 0; undefined without a position */
-    int noise_x, noise_y; /* the same of the first noise stamp; undefined for white noise */
+    double *galaxy; /* [stamp][stamp]; the caller's memory, like the next */
+    double *noise;  /* [noise_stamps][stamp][stamp] */
+    uint32_t flags; /* SHEAR_FLAG_EDGE, HOLE, SATURATED, NEIGHBOUR, NO_NOISE, NO_POSITION; the
+                       stamps are zero with any of them */
+    double filled;  /* part of the stamp's pixels that was filled; 0 if flagged */
+    double sigma;   /* local standard deviation; NaN: unknown */
+    int x, y;       /* first pixel of the stamp, from 0; undefined without a position */
+    int n_noise;    /* noise stamps that were cut out of an image: all, none of white noise,
+                       and as many as were found with SHEAR_FLAG_NO_NOISE */
+    int noise_x[SHEAR_MAX_NOISE_PLANES], noise_y[SHEAR_MAX_NOISE_PLANES]; /* the same of them */
 } cutter_pair;
 /* Cut one pair: the stamp's pixel [stamp/2][stamp/2] is the nearest to the source. Errors are those
  * of reading; what is wrong with the galaxy is a flag. A galaxy with another flag is not searched
