@@ -35,38 +35,26 @@ static int set_tiled(sf_image *image, shear_error *err) {
     return sf_tiles_init(&image->tiles, &image->table, &image->tiling, err);
 }
 
-/* Write the header of a plain image for CFITSIO, as a primary HDU. */
-static int show_plain(sf_image *image, double scale, double zero, shear_error *err) {
-    sf_view *v = &image->view;
-    int64_t blank = SF_ABSENT;
-    if (image->bitpix > 0)
-        TRY(sf_key_int(&image->cards, "BLANK", INT64_MIN, INT64_MAX, &blank, err));
-    sf_view_logical(v, "SIMPLE", true);
-    sf_view_int(v, "BITPIX", image->bitpix);
-    sf_view_int(v, "NAXIS", image->naxis);
-    for (int k = 0; k < image->naxis; k++) {
-        char key[SF_INDEXED];
-        sf_view_int(v, sf_card_indexed(key, "NAXIS", k + 1), image->axes[k]);
-    }
-    sf_view_scale(v, scale, zero);
-    if (blank != SF_ABSENT)
-        sf_view_int(v, "BLANK", blank);
-    sf_view_end(v);
-    return SHEAR_OK;
+static int set_plain(sf_image *image, double scale, double zero, shear_error *err) {
+    const sf_hdu *hdu = image->cards.hdu;
+    sf_plain *p = &image->plain;
+    *p = (sf_plain){.file = image->cards.file,
+                    .data_offset = hdu->data_offset,
+                    .bitpix = image->bitpix,
+                    .scale = scale,
+                    .zero = zero,
+                    .blank = SF_ABSENT,
+                    .at = image->cards.at};
+    memcpy(p->axes, image->axes, sizeof p->axes);
+    return image->bitpix < 0
+               ? SHEAR_OK
+               : sf_key_int(&image->cards, "BLANK", INT64_MIN, INT64_MAX, &p->blank, err);
 }
 
-static int show(sf_image *image, shear_error *err) {
-    double scale = 1.0;
-    double zero = 0.0;
+static int show_tiled(sf_image *image, double scale, double zero, shear_error *err) {
     sf_view_init(&image->view, image->cards.file, image->cards.hdu);
-    TRY(sf_key_double(&image->cards, "BSCALE", &scale, err));
-    TRY(sf_key_double(&image->cards, "BZERO", &zero, err));
-    if (scale == 0.0)
-        return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, NULL, "keyword BSCALE is 0");
-    if (!image->compressed)
-        return show_plain(image, scale, zero, err);
     sf_tiling_show(&image->tiling, &image->table, scale, zero, &image->view);
-    return SHEAR_OK;
+    return sf_view_open(&image->view, 1, image->cards.at, &image->fits, err);
 }
 
 int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const char *label,
@@ -79,9 +67,14 @@ int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const
     memcpy(image->axes, hdu->axes, sizeof image->axes);
     if (hdu->zimage)
         TRY(set_tiled(image, err));
-    TRY(show(image, err));
-    return sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at, &image->fits,
-                        err);
+    double scale = 1.0;
+    double zero = 0.0;
+    TRY(sf_key_double(&image->cards, "BSCALE", &scale, err));
+    TRY(sf_key_double(&image->cards, "BZERO", &zero, err));
+    if (scale == 0.0)
+        return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, NULL, "keyword BSCALE is 0");
+    return image->compressed ? show_tiled(image, scale, zero, err)
+                             : set_plain(image, scale, zero, err);
 }
 
 void sf_image_deinit(sf_image *image) {
@@ -93,20 +86,12 @@ void sf_image_deinit(sf_image *image) {
     sf_cards_deinit(&image->cards);
 }
 
-/* Return whether the pixels of a box of a plain image are contiguous in the file, so that they can
- * be read at once. */
-static bool contiguous(const sf_image *image, const int64_t size[SF_AXES]) {
-    return !image->compressed && size[0] == image->axes[0] &&
-           (size[1] == image->axes[1] || size[2] == 1);
-}
-
 int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
                   double *out, shear_error *err) {
-    if (image->compressed)
-        TRY(sf_tiles_check(&image->tiles, first, size, err));
-    /* Floating-point pixels of a plain image need no null value: without one, CFITSIO copies them
-     * bit by bit. */
-    double null = image->bitpix < 0 && !image->compressed ? 0.0 : NAN;
+    if (!image->compressed)
+        return sf_plain_read(&image->plain, first, size, out, err);
+    TRY(sf_tiles_check(&image->tiles, first, size, err));
+    double null = NAN;
     long low[SF_AXES];
     long high[SF_AXES];
     long step[SF_AXES] = {1, 1, 1};
@@ -116,12 +101,7 @@ int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t s
     }
     int status = 0;
     int any_null = 0; /* not NULL: CFITSIO 4.2 writes to it in any case if a pixel is undefined */
-    if (contiguous(image, size)) {
-        fits_read_pix(image->fits, TDOUBLE, low, size[0] * size[1] * size[2], &null, out, &any_null,
-                      &status);
-    } else {
-        fits_read_subset(image->fits, TDOUBLE, low, high, step, &null, out, &any_null, &status);
-    }
+    fits_read_subset(image->fits, TDOUBLE, low, high, step, &null, out, &any_null, &status);
     return sf_check_status(err, image->cards.at, status, "its pixels cannot be read");
 }
 

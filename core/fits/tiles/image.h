@@ -3,19 +3,21 @@
  * doubles. */
 #pragma once
 
+#include "fits/tiles/plain.h"
 #include "fits/tiles/tiles.h"
 
 typedef struct sf_image {
-    sf_cards cards; /* of the image's HDU */
-    sf_view view;
-    fitsfile *fits;        /* of the view */
+    sf_cards cards;        /* of the image's HDU */
     int naxis;             /* 2 or 3 */
     int64_t axes[SF_AXES]; /* all positive; 1 beyond naxis */
     int bitpix;            /* as stored, before BSCALE */
     bool compressed;
-    sf_table table; /* if compressed, like the next two */
+    sf_plain plain; /* unless compressed */
+    sf_table table; /* if compressed, like all that follow */
     sf_tiling tiling;
     sf_tiles tiles;
+    sf_view view;
+    fitsfile *fits; /* of the view */
 } sf_image;
 
 /* Open the image HDU that messages call `label`. *image must not move: its parts point to each
