@@ -23,11 +23,14 @@ SHEAR_SIMD void defects_of_values(const double *restrict value, size_t n, double
 static const double least_sigma = FLT_MIN;
 static const double most_sigma = (double)1e15F;
 
-/* Store sigma, or NaN and a defect if it cannot be one. */
+/* Store sigma, or NaN and a defect if it cannot be one. Two comparisons by themselves, and no
+ * conversion that only one branch needs: else it becomes no vector. */
 static SHEAR_INLINE void store(double s, float *sigma, uint8_t *defect) {
-    const bool good = s >= least_sigma && s < most_sigma;
-    *sigma = (float)(good ? s : NAN);
-    *defect = (uint8_t)(*defect | (good ? 0 : PIXEL_BAD));
+    const int below = s >= least_sigma ? 0 : PIXEL_BAD;
+    const int beyond = s < most_sigma ? 0 : PIXEL_BAD;
+    const int bad = below | beyond;
+    *sigma = (float)(s + (bad != 0 ? (double)NAN : 0.0));
+    *defect = (uint8_t)(*defect | bad);
 }
 
 SHEAR_SIMD static void of_weights(const double *restrict w, size_t n, float *restrict sigma,
@@ -65,10 +68,11 @@ void defects_of_weights(const double *weight, size_t n, enum shear_weight_kind k
     }
 }
 
+/* The last bits of the sum of this and a whole number below 2^51 are its two's complement. */
+static const double magic = 0x1.8p52;
+
 SHEAR_SIMD static void of_bits(const double *restrict mask, size_t n, uint64_t bad,
                                uint64_t saturated, uint8_t *restrict defect) {
-    /* The last bits of the sum are the two's complement of a whole number below 2^51. */
-    const double magic = 0x1.8p52;
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         const double sum = mask[i] + magic;
@@ -105,8 +109,12 @@ SHEAR_SIMD void defects_owners(const double *restrict segmentation, size_t n,
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         const double v = segmentation[i];
-        const bool in_range = v >= 0.0 && v <= (double)INT32_MAX;
-        const int32_t whole = (int32_t)(in_range ? v : -1.0);
-        owner[i] = (double)whole == v ? whole : -1;
+        const double sum = v + magic;
+        uint64_t bits = 0;
+        memcpy(&bits, &sum, sizeof bits);
+        const int below = v >= 0.0 ? 0 : 1;
+        const int beyond = v <= (double)INT32_MAX ? 0 : 1;
+        const int part = sum - magic == v ? 0 : 1;
+        owner[i] = (below | beyond | part) != 0 ? -1 : (int32_t)bits;
     }
 }
