@@ -3,6 +3,7 @@
 
 #include "base/arena.h"
 #include "base/cleanup.h"
+#include "base/pages.h"
 #include "fits/tiles/image.h"
 #include "survey/pixels/defects.h"
 #include "survey/pixels/internal.h"
@@ -14,15 +15,23 @@
 #include <string.h>
 
 /* A band is read at once. It is small enough for a processor's cache, and there are at least two.
- */
-enum { CACHE_BYTES = 192 << 20, BAND_PIXELS = 1 << 18, MIN_BANDS = 2 };
+ *
+ * To read plain pixels again takes no longer than new memory for them, so at first there is only
+ * room for what galaxies need that come in the order of their rows. Each time that a band is read
+ * more often than by a survey and by a pass over the catalog, room for one more is added. */
+enum {
+    CACHE_BYTES = 192 << 20,
+    FIRST_BYTES = 48 << 20,
+    BAND_PIXELS = 1 << 18,
+    MIN_BANDS = 2,
+    USUAL_READS = 2
+};
 
 /* Rows of the chip in memory. */
 typedef struct band {
     int number;    /* -1: none */
     uint64_t used; /* when, by chip_pixels.clock */
-    void *memory;  /* of all arrays, [rows][nx] */
-    double *value;
+    double *value; /* [rows][nx], like the other arrays */
     float *sigma;
     uint8_t *defect;
     int32_t *owner;
@@ -35,8 +44,11 @@ struct chip_pixels {
     int nx, ny;
     int rows;     /* of a band; the last one may have fewer */
     int *slot_of; /* [bands]: index of a band's slot, -1: it is not in memory */
-    band *slots;  /* [n_slots] */
-    int n_slots;
+    int *reads;   /* [bands]: how often it was read */
+    band *slots;  /* [n_slots], of which n_used are or were in use */
+    int n_slots, n_first, n_used;
+    void *pixels; /* of all slots */
+    void *memory; /* of what else is allocated */
     uint64_t clock;
     double *scratch; /* [rows][nx]: pixels of weight, mask or segmentation */
     bool has_painter;
@@ -78,19 +90,43 @@ static void choose_rows(chip_pixels *c) {
     c->rows = (int)(rows < c->ny ? rows : c->ny);
 }
 
+static int at_least_two(int64_t slots, int bands) {
+    return slots < MIN_BANDS ? MIN_BANDS : slots < bands ? (int)slots : bands;
+}
+
+static bool any_compressed(const chip_pixels *c) {
+    bool any = false;
+    for (int i = 0; i < N_LAYERS; i++)
+        any = any || c->layers[i].compressed;
+    return any;
+}
+
+static void place_bands(chip_pixels *c, int bands, arena *a) {
+    c->slot_of = arena_take(a, (size_t)bands * sizeof *c->slot_of);
+    c->reads = arena_take(a, (size_t)bands * sizeof *c->reads);
+    c->slots = arena_take(a, (size_t)c->n_slots * sizeof *c->slots);
+    c->scratch = arena_doubles(a, (size_t)c->rows * (size_t)c->nx);
+}
+
 static int allocate_bands(chip_pixels *c, shear_error *err) {
     const int bands = (c->ny - 1) / c->rows + 1;
-    const int64_t fit = CACHE_BYTES / band_bytes(c, c->rows);
-    c->n_slots = fit < MIN_BANDS ? MIN_BANDS : fit < bands ? (int)fit : bands;
-    c->slot_of = malloc((size_t)bands * sizeof *c->slot_of);
-    c->slots = calloc((size_t)c->n_slots, sizeof *c->slots);
-    c->scratch = malloc((size_t)c->rows * (size_t)c->nx * sizeof *c->scratch);
-    if (c->slot_of == NULL || c->slots == NULL || c->scratch == NULL)
+    const int64_t bytes = band_bytes(c, c->rows);
+    c->n_slots = at_least_two(CACHE_BYTES / bytes, bands);
+    c->n_first = any_compressed(c) ? c->n_slots : at_least_two(FIRST_BYTES / bytes, bands);
+    arena a = {0};
+    arena pixels = {.memory = pages_allocate((size_t)(c->n_slots * bytes))};
+    place_bands(c, bands, &a);
+    c->pixels = pixels.memory;
+    c->memory = arena_allocate(&a);
+    if (c->pixels == NULL || c->memory == NULL)
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    place_bands(c, bands, &a);
     for (int i = 0; i < bands; i++)
         c->slot_of[i] = -1;
-    for (int i = 0; i < c->n_slots; i++)
+    for (int i = 0; i < c->n_slots; i++) {
         c->slots[i].number = -1;
+        place(&c->slots[i], c, &pixels);
+    }
     return SHEAR_OK;
 }
 
@@ -100,9 +136,9 @@ static int open_layers(chip_pixels *c, shear_error *err) {
         if (image->file != NULL)
             TRY(sf_image_init(&c->layers[i], image->file, image->hdu, image->label, err));
     }
-    c->has_weight = c->layers[LAYER_WEIGHT].fits != NULL;
-    c->has_mask = c->layers[LAYER_MASK].fits != NULL;
-    c->has_segmentation = c->layers[LAYER_SEGMENTATION].fits != NULL;
+    c->has_weight = c->chip->layers[LAYER_WEIGHT].file != NULL;
+    c->has_mask = c->chip->layers[LAYER_MASK].file != NULL;
+    c->has_segmentation = c->chip->layers[LAYER_SEGMENTATION].file != NULL;
     return SHEAR_OK;
 }
 
@@ -136,12 +172,9 @@ void chip_pixels_close(chip_pixels *c) {
         return;
     for (int i = 0; i < N_LAYERS; i++)
         sf_image_deinit(&c->layers[i]);
-    for (int i = 0; i < c->n_slots && c->slots != NULL; i++)
-        free(c->slots[i].memory);
     object_painter_deinit(&c->painter);
-    free(c->slots);
-    free(c->slot_of);
-    free(c->scratch);
+    free(c->pixels);
+    free(c->memory);
     free(c);
 }
 
@@ -177,10 +210,13 @@ static int fill(chip_pixels *c, band *b, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Return the slot that was not used for longest, empty ones first. */
-static band *oldest(chip_pixels *c) {
+/* Return the slot for a band: a new one, or that which was not used for longest. */
+static band *choose_slot(chip_pixels *c, int number) {
     band *b = &c->slots[0];
-    for (int i = 1; i < c->n_slots; i++) {
+    const bool again = c->reads[number] >= USUAL_READS;
+    if (c->n_used < (again ? c->n_slots : c->n_first))
+        return &c->slots[c->n_used++];
+    for (int i = 1; i < c->n_used; i++) {
         if (c->slots[i].used < b->used)
             b = &c->slots[i];
     }
@@ -189,17 +225,10 @@ static band *oldest(chip_pixels *c) {
 
 /* Put a band into the slot, in place of the one that it holds. */
 static int load(chip_pixels *c, band *b, int number, shear_error *err) {
-    if (b->memory == NULL) {
-        arena a = {0};
-        place(b, c, &a);
-        b->memory = arena_allocate(&a);
-        if (b->memory == NULL)
-            return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-        place(b, c, &a);
-    }
     if (b->number >= 0)
         c->slot_of[b->number] = -1;
     b->number = number;
+    c->reads[number]++;
     const int code = fill(c, b, err);
     if (code == SHEAR_OK) {
         c->slot_of[number] = (int)(b - c->slots);
@@ -212,7 +241,7 @@ static int load(chip_pixels *c, band *b, int number, shear_error *err) {
 /* Find the band in memory, or read it. */
 static int get_band(chip_pixels *c, int number, const band **out, shear_error *err) {
     const int slot = c->slot_of[number];
-    band *b = slot >= 0 ? &c->slots[slot] : oldest(c);
+    band *b = slot >= 0 ? &c->slots[slot] : choose_slot(c, number);
     if (slot < 0)
         TRY(load(c, b, number, err));
     assert(b->number == number);
