@@ -75,10 +75,14 @@ static bool log_patch(const psf_view *v, int i, int j, double patch[4][4]) {
     return true;
 }
 
-static double patch_at(double patch[4][4], double t, double u) {
-    double column[4];
+static void patch_column(double patch[4][4], double t, double column[4]) {
     for (int b = 0; b < 4; b++)
         column[b] = cubic(patch[b][0], patch[b][1], patch[b][2], patch[b][3], t);
+}
+
+static double patch_at(double patch[4][4], double t, double u) {
+    double column[4];
+    patch_column(patch, t, column);
     return cubic(column[0], column[1], column[2], column[3], u);
 }
 
@@ -124,12 +128,16 @@ static void cell_heights(const psf_view *v, int i, int j, int refine, double lev
     double patch[4][4];
     const bool positive = log_patch(v, i, j, patch);
     const double log_level = log(level);
-    for (int q = 0; q <= refine; q++) {
-        for (int p = 0; p <= refine; p++) {
-            const double t = (double)p / refine;
+    for (int p = 0; p <= refine; p++) {
+        const double t = (double)p / refine;
+        double column[4] = {0};
+        if (positive)
+            patch_column(patch, t, column);
+        for (int q = 0; q <= refine; q++) {
             const double u = (double)q / refine;
-            height[q][p] =
-                positive ? patch_at(patch, t, u) - log_level : bilinear(v, i, j, t, u) - level;
+            height[q][p] = positive
+                               ? cubic(column[0], column[1], column[2], column[3], u) - log_level
+                               : bilinear(v, i, j, t, u) - level;
         }
     }
 }
@@ -200,8 +208,8 @@ static int cell_side(const psf_view *v, int i, int j, double level) {
     for (int b = -1; b <= 2; b++) {
         for (int a = -1; a <= 2; a++) {
             const double value = psf_sample(v, i + a, j + b);
-            high = fmax(high, value);
-            low = fmin(low, value);
+            high = value > high ? value : high;
+            low = value < low ? value : low;
         }
     }
     return low > level ? 1 : high < 0.25 * level ? 0 : -1;
