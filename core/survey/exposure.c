@@ -95,7 +95,7 @@ static int64_t chosen_hdu(const opening *o, enum shear_part part) {
         return chosen->hdu;
     switch (part) {
     case SHEAR_PART_CATALOG:
-        return source_catalog_hdu(o->catalog);
+        return source_catalog_hdu(o->e->catalog);
     case SHEAR_PART_PSF:
         return psf_models_hdu(o->e->psf);
     case SHEAR_PART_NOISE:
