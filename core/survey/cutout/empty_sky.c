@@ -9,20 +9,14 @@
 
 enum { GROW = 4 }; /* pixels by which objects are grown: their faint wings are not empty sky */
 
-/* The rows that a mesh looks at, [MESH_SIDE / MESH_STEP][nx]. */
-typedef struct mesh_sampled {
-    double *value;
-    float *sigma;
-    uint8_t *defect;
-} mesh_sampled;
-
 /* A band of rows, as high as a mesh, and what is made of it. */
 typedef struct band {
-    int nx, ny;      /* of the chip */
-    int y, n;        /* its rows */
-    uint8_t *defect; /* [n][nx] */
-    int32_t *owner;  /* [nx] a row */
-    mesh_sampled sampled;
+    int nx, ny; /* of the chip */
+    int y, n;   /* its rows */
+    double *value;
+    float *sigma;
+    uint8_t *defect; /* [n][nx], like value and sigma */
+    int32_t *owner;  /* [n + 2 GROW][nx], from row y - GROW on */
     int padded;      /* width of a row of marks: GROWTH_MOST on both sides, and whole cells */
     uint8_t *object; /* [MESH_SIDE + 2 GROW][padded] marks of objects */
     growth grown;
@@ -34,11 +28,10 @@ static void place_band(band *b, arena *a) {
     const size_t n = (size_t)b->nx;
     const size_t high = MESH_SIDE + 2 * GROW;
     b->padded = (b->nx + BOX_CELL - 1) / BOX_CELL * BOX_CELL + 2 * GROWTH_MOST;
-    b->sampled.value = arena_doubles(a, n * (MESH_SIDE / MESH_STEP));
-    b->sampled.sigma = arena_take(a, n * (MESH_SIDE / MESH_STEP) * sizeof *b->sampled.sigma);
-    b->sampled.defect = arena_take(a, n * (MESH_SIDE / MESH_STEP));
+    b->value = arena_doubles(a, n * MESH_SIDE);
+    b->sigma = arena_take(a, n * MESH_SIDE * sizeof *b->sigma);
     b->defect = arena_take(a, n * MESH_SIDE);
-    b->owner = arena_take(a, n * sizeof *b->owner);
+    b->owner = arena_take(a, n * high * sizeof *b->owner);
     b->object = arena_take(a, (size_t)b->padded * high);
     growth_place(&b->grown, b->padded - 2 * GROWTH_MOST, a);
     b->marks = arena_take(a, (size_t)b->padded);
@@ -59,19 +52,23 @@ SHEAR_SIMD static void count_defects(uint8_t *restrict counts, const uint8_t *re
         counts[i] = (uint8_t)(counts[i] + (defect[i] != 0));
 }
 
-/* Read the defects of the band, and mark the objects of it and of GROW rows around it; rows beyond
- * the chip have none. */
+/* Read the band, and the owners of GROW rows around it; rows beyond the chip have none. */
 static int read_band(band *b, chip_pixels *pixels, shear_error *err) {
     const int first = b->y < GROW ? 0 : b->y - GROW;
     const int end = b->y + b->n + GROW < b->ny ? b->y + b->n + GROW : b->ny;
-    const pixel_box all = {.y = b->y, .nx = b->nx, .ny = b->n, .defect = b->defect};
-    TRY(chip_pixels_read(pixels, &all, err));
+    const pixel_box own = {.y = b->y,
+                           .nx = b->nx,
+                           .ny = b->n,
+                           .value = b->value,
+                           .sigma = b->sigma,
+                           .defect = b->defect};
+    const pixel_box wider = {.y = first, .nx = b->nx, .ny = end - first, .owner = b->owner};
+    TRY(chip_pixels_read(pixels, &own, err));
+    TRY(chip_pixels_read(pixels, &wider, err));
     memset(b->object, 0, (size_t)b->padded * (MESH_SIDE + 2 * GROW));
     for (int y = first; y < end; y++) {
-        const pixel_box row = {.y = y, .nx = b->nx, .ny = 1, .owner = b->owner};
         uint8_t *marks = b->object + (size_t)(y - b->y + GROW) * (size_t)b->padded + GROWTH_MOST;
-        TRY(chip_pixels_read(pixels, &row, err));
-        mark_objects(marks, b->owner, (size_t)b->nx);
+        mark_objects(marks, b->owner + (size_t)(y - first) * (size_t)b->nx, (size_t)b->nx);
     }
     return SHEAR_OK;
 }
@@ -90,38 +87,22 @@ static void enter_cells(band *b, box_map *boxes, int top) {
     box_map_enter(boxes, (b->y + top) / BOX_CELL, b->marks, b->defects);
 }
 
-/* Read every MESH_STEP-th of n rows from y on. */
-static int read_sampled(const band *b, chip_pixels *pixels, int y, int n, shear_error *err) {
-    for (int row = 0; row * MESH_STEP < n; row++) {
-        const ptrdiff_t at = (ptrdiff_t)row * b->nx;
-        const pixel_box box = {.y = y + row * MESH_STEP,
-                               .nx = b->nx,
-                               .ny = 1,
-                               .value = b->sampled.value + at,
-                               .sigma = b->sampled.sigma + at,
-                               .defect = b->sampled.defect + at};
-        TRY(chip_pixels_read(pixels, &box, err));
-    }
-    return SHEAR_OK;
-}
-
 /* Enter the band's rows, amplifier by amplifier. */
-static int enter_meshes(empty_sky *s, const band *b, chip_pixels *pixels, shear_error *err) {
+static void enter_meshes(empty_sky *s, const band *b) {
     const amplifier_axis *axis = &s->boxes.y;
     const int band_end = b->y + b->n;
     int end;
     for (int y = b->y; y < band_end; y = end) {
+        const size_t at = (size_t)(y - b->y) * (size_t)b->nx;
         end = amplifier_axis_start(axis, amplifier_axis_at(axis, y) + 1);
         end = end < band_end ? end : band_end;
-        TRY(read_sampled(b, pixels, y, end - y, err));
-        noise_mesh_enter(&s->mesh, &(mesh_pixels){.value = b->sampled.value,
-                                                  .sigma = b->sampled.sigma,
-                                                  .defect = b->sampled.defect,
+        noise_mesh_enter(&s->mesh, &(mesh_pixels){.value = b->value + at,
+                                                  .sigma = b->sigma + at,
+                                                  .defect = b->defect + at,
                                                   .y = y,
                                                   .n = end - y,
                                                   .map = &s->boxes});
     }
-    return SHEAR_OK;
 }
 
 static int survey(empty_sky *s, band *b, chip_pixels *pixels, shear_error *err) {
@@ -130,7 +111,7 @@ static int survey(empty_sky *s, band *b, chip_pixels *pixels, shear_error *err) 
         TRY(read_band(b, pixels, err));
         for (int top = 0; top < b->n; top += BOX_CELL)
             enter_cells(b, &s->boxes, top);
-        TRY(enter_meshes(s, b, pixels, err));
+        enter_meshes(s, b);
     }
     box_map_close(&s->boxes);
     noise_mesh_close(&s->mesh);

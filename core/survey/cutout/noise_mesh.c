@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum {
-    STEP = MESH_STEP, /* 256 of a mesh's pixels are looked at */
+    STEP = BOX_CELL, /* 256 of a mesh's pixels are looked at */
     MOST_SAMPLES = (2 * MESH_SIDE / STEP + 1) * (MESH_SIDE / STEP),
     LEAST_SAMPLES = 48,
     ORDERED = 32, /* samples that make the first guess */
@@ -99,7 +99,7 @@ static int mesh_start(const noise_mesh *m, int column) {
 /* Take a pixel as the next sample if it is free. Whether the chip has a map of sigma is what its
  * first free pixel says; others that differ are left out. */
 static int take(noise_mesh *m, const mesh_pixels *p, int x, int y, int n) {
-    const size_t at = (size_t)(y / STEP) * (size_t)m->x.pixels + (size_t)x;
+    const size_t at = (size_t)y * (size_t)m->x.pixels + (size_t)x;
     if (p->defect[at] != 0 || box_map_touched(p->map, x, p->y + y))
         return n;
     const bool known = isfinite(p->sigma[at]) && p->sigma[at] > 0.0F;

@@ -18,7 +18,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { MESH_SIDE = 64, MESH_STEP = BOX_CELL /* pixels in x and y of which one is looked at */ };
+enum { MESH_SIDE = 64 };
 
 typedef struct noise_mesh {
     amplifier_axis x, y; /* of the chip */
@@ -35,8 +35,7 @@ typedef struct noise_mesh {
 
 /* Place the arrays, for the axes that are set; call it with memory after a call without. */
 void noise_mesh_place(noise_mesh *m, arena *a);
-/* Pixels of a row of meshes, n rows from y on, whose cells `map` has: every MESH_STEP-th row,
- * [(n + MESH_STEP - 1) / MESH_STEP][x.pixels]. */
+/* Pixels of a row of meshes, [n][x.pixels]: their rows from y on, whose cells `map` has. */
 typedef struct mesh_pixels {
     const double *value;
     const float *sigma;
