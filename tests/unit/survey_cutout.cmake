@@ -14,6 +14,7 @@ target_link_options(test_cutter PRIVATE -Wl,--wrap=aligned_alloc)
 cutout_test(cutter_shear core_fixtures)
 cutout_test(cutter_noise core_fixtures)
 cutout_test(amplifiers core_fixtures)
+cutout_test(quiet_blocks core_fixtures)
 
 # The same on files, by the room that reads them.
 shear_add_test(cutter_chip SOURCES test_cutter_chip.c exposure_fixture.c LIBRARIES fits_fixtures LABELS cutout)

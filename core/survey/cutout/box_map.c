@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { MOST_DEFECTS_PERCENT = 2 };
+enum { MOST_DEFECTS_PERCENT = 2, QUIET_GROW = 2 };
 
 static int cells_of(int pixels) {
     return (pixels + BOX_CELL - 1) / BOX_CELL;
@@ -66,7 +66,36 @@ static void close_row(const box_map *m, uint8_t *closed) {
     }
 }
 
+void box_map_silence(box_map *m, int row, int column, int n) {
+    for (int i = 0; i < n * n; i++)
+        m->cells[(size_t)(row + i / n) * (size_t)m->columns + (size_t)(column + i % n)] |=
+            BOX_QUIET;
+}
+
+/* Touch the cells around a quiet one: a patch ends somewhere in the next block. */
+static void touch_around(box_map *m, int row, int column) {
+    for (int j = row - QUIET_GROW; j <= row + QUIET_GROW; j++) {
+        for (int i = column - QUIET_GROW; i <= column + QUIET_GROW; i++) {
+            if (j >= 0 && j < m->rows && i >= 0 && i < m->columns)
+                m->cells[(size_t)j * (size_t)m->columns + (size_t)i] |= BOX_TOUCHED;
+        }
+    }
+}
+
+static void touch_quiet(box_map *m) {
+    for (int j = 0; j < m->rows; j++) {
+        uint8_t *cells = m->cells + (size_t)j * (size_t)m->columns;
+        for (int i = 0; i < m->columns; i++) {
+            if ((cells[i] & BOX_QUIET) == 0)
+                continue;
+            cells[i] = (uint8_t)(cells[i] - BOX_QUIET);
+            touch_around(m, j, i);
+        }
+    }
+}
+
 void box_map_close(box_map *m) {
+    touch_quiet(m);
     const int box = cells_of(m->stamp);
     int added = 0;
     for (int i = 0; i < m->columns; i++)

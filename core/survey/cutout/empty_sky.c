@@ -4,6 +4,7 @@
 #include "base/cleanup.h"
 #include "base/simd.h"
 #include "survey/cutout/growth.h"
+#include "survey/cutout/quiet_blocks.h"
 
 #include <string.h>
 
@@ -22,6 +23,7 @@ typedef struct band {
     growth grown;
     uint8_t *marks;   /* [padded] a row of grown objects ... */
     uint8_t *defects; /* [padded] ... and the number of defects in a row of cells */
+    quiet_blocks quiet;
 } band;
 
 static void place_band(band *b, arena *a) {
@@ -36,6 +38,7 @@ static void place_band(band *b, arena *a) {
     growth_place(&b->grown, b->padded - 2 * GROWTH_MOST, a);
     b->marks = arena_take(a, (size_t)b->padded);
     b->defects = arena_take(a, (size_t)b->padded);
+    quiet_blocks_place(&b->quiet, b->nx, a);
 }
 
 SHEAR_SIMD static void mark_objects(uint8_t *restrict marks, const int32_t *restrict owner,
@@ -87,8 +90,8 @@ static void enter_cells(band *b, box_map *boxes, int top) {
     box_map_enter(boxes, (b->y + top) / BOX_CELL, b->marks, b->defects);
 }
 
-/* Enter the band's rows, amplifier by amplifier. */
-static void enter_meshes(empty_sky *s, const band *b) {
+/* Enter the band's rows, amplifier by amplifier, without what is quiet. */
+static void enter_meshes(empty_sky *s, band *b) {
     const amplifier_axis *axis = &s->boxes.y;
     const int band_end = b->y + b->n;
     int end;
@@ -96,12 +99,14 @@ static void enter_meshes(empty_sky *s, const band *b) {
         const size_t at = (size_t)(y - b->y) * (size_t)b->nx;
         end = amplifier_axis_start(axis, amplifier_axis_at(axis, y) + 1);
         end = end < band_end ? end : band_end;
-        noise_mesh_enter(&s->mesh, &(mesh_pixels){.value = b->value + at,
-                                                  .sigma = b->sigma + at,
-                                                  .defect = b->defect + at,
-                                                  .y = y,
-                                                  .n = end - y,
-                                                  .map = &s->boxes});
+        const mesh_pixels rows = {.value = b->value + at,
+                                  .sigma = b->sigma + at,
+                                  .defect = b->defect + at,
+                                  .y = y,
+                                  .n = end - y,
+                                  .map = &s->boxes};
+        quiet_blocks_find(&b->quiet, &s->boxes, &rows);
+        noise_mesh_enter(&s->mesh, &rows);
     }
 }
 
