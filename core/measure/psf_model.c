@@ -3,6 +3,7 @@
 
 #include "base/cleanup.h"
 #include "base/simd.h"
+#include "measure/power_tail.h"
 #include "shear/plan.h"
 
 #include <math.h>
@@ -58,8 +59,8 @@ static void transform(const axis_transform *a, double *re, double *im, size_t st
     }
 }
 
-/* Turn |W|^2 into the image of W >= 0. */
-static bool image_of_power(const shear_psf_model *m, double *image) {
+/* Turn |W|^2 into the image of W >= 0. With `noise`, that of |W|^2 remains. */
+static bool image_of_power(const shear_psf_model *m, bool noise, double *image) {
     const size_t nx = (size_t)m->nx;
     const size_t ny = (size_t)m->ny;
     const size_t longest = nx > ny ? nx : ny;
@@ -69,6 +70,8 @@ static bool image_of_power(const shear_psf_model *m, double *image) {
     axis_transform a = {.cosine = im + nx * ny};
     a.sine = a.cosine + longest;
     a.line = a.sine + longest;
+    if (!noise)
+        power_tail_fill(image, m->nx, m->ny);
     for (size_t i = 0; i < nx * ny; i++)
         image[i] = sqrt(fmax(0.0, image[i]));
     begin_axis(&a, m->nx);
@@ -80,9 +83,13 @@ static bool image_of_power(const shear_psf_model *m, double *image) {
     return true;
 }
 
-bool psf_model_draw(const shear_psf_model *m, const double *c, double *image) {
+static bool draw(const shear_psf_model *m, const double *c, bool noise, double *image) {
     psf_model_sum(m->samples, m->terms, (size_t)m->nx * (size_t)m->ny, c, image);
-    return m->axes != SHEAR_PSF_AXES_MODES || image_of_power(m, image);
+    return m->axes != SHEAR_PSF_AXES_MODES || image_of_power(m, noise, image);
+}
+
+bool psf_model_draw(const shear_psf_model *m, const double *c, double *image) {
+    return draw(m, c, false, image);
 }
 
 double psf_model_sampling(const shear_psf_model *m, double scale) {
@@ -92,9 +99,10 @@ double psf_model_sampling(const shear_psf_model *m, double scale) {
 }
 
 /* Draw the PSF into new memory; *image is NULL on error. */
-static int draw(double **image, const shear_psf_model *m, const double *c, shear_error *err) {
+static int draw_new(double **image, const shear_psf_model *m, const double *c, bool noise,
+                    shear_error *err) {
     *image = calloc((size_t)m->nx * (size_t)m->ny, sizeof **image);
-    if (*image != NULL && psf_model_draw(m, c, *image))
+    if (*image != NULL && draw(m, c, noise, *image))
         return SHEAR_OK;
     free(*image);
     *image = NULL;
@@ -102,16 +110,27 @@ static int draw(double **image, const shear_psf_model *m, const double *c, shear
                       m->ny);
 }
 
+static int examine(shear_psf_quality *q, const shear_psf_model *m, const double *c, double scale,
+                   bool noise, shear_error *err) {
+    CLEANUP(release_free) double *image = NULL;
+    TRY(draw_new(&image, m, c, noise, err));
+    return shear_psf_examine(q, image, m->nx, m->ny, psf_model_sampling(m, scale), err);
+}
+
 int shear_psf_model_examine(shear_psf_quality *q, const shear_psf_model *m, const double *terms,
                             double scale, shear_error *err) {
-    CLEANUP(release_free) double *image = NULL;
-    TRY(draw(&image, m, terms, err));
-    return shear_psf_examine(q, image, m->nx, m->ny, psf_model_sampling(m, scale), err);
+    shear_psf_quality noisy;
+    TRY(examine(q, m, terms, scale, false, err));
+    if (m->axes != SHEAR_PSF_AXES_MODES)
+        return SHEAR_OK;
+    TRY(examine(&noisy, m, terms, scale, true, err));
+    q->noise = noisy.noise;
+    return SHEAR_OK;
 }
 
 int shear_psf_model_radius(const shear_psf_model *m, const double *terms, double scale,
                            double *r_psf_px, shear_error *err) {
     CLEANUP(release_free) double *image = NULL;
-    TRY(draw(&image, m, terms, err));
+    TRY(draw_new(&image, m, terms, false, err));
     return shear_psf_radius(image, m->nx, m->ny, psf_model_sampling(m, scale), r_psf_px, err);
 }

@@ -279,7 +279,7 @@ class EndToEnd(Real):
             radii.append(answer.json()[0]["resolved"]["r_psf_px"])
             warnings.append("the PSF is noisy" in " ".join(answer.json()[0]["warnings"]))
         self.assertEqual(warnings, [True, False])
-        self.assertAlmostEqual(radii[0] / radii[1], 1.0, delta=0.2)
+        self.assertAlmostEqual(radii[0] / radii[1], 1.0, delta=0.04)
 
 
 if __name__ == "__main__":
