@@ -119,6 +119,7 @@ static enum exit_code measure_inputs(measure_input *inputs, size_t n, const meas
     for (size_t i = 0; i < n; i++) {
         free(inputs[i].catalog);
         warnings_deinit(&inputs[i].warnings);
+        chip_counts_deinit(&inputs[i].counts);
     }
     return code;
 }

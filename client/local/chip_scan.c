@@ -93,7 +93,8 @@ static int begin_chip(chip_scan *s, int64_t stamp, shear_error *err) {
     return SHEAR_OK;
 }
 
-int chip_scan_add(chip_scan *s, const shear_block *b, int i, unsigned flags, shear_error *err) {
+int chip_scan_add(chip_scan *s, const shear_block *b, int i, unsigned flags, const shear_row *row,
+                  shear_error *err) {
     const int64_t stamp = b->stamps.first + i;
     if (s->n == 0)
         return SHEAR_OK;
@@ -105,6 +106,8 @@ int chip_scan_add(chip_scan *s, const shear_block *b, int i, unsigned flags, she
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++)
         r->flags[bit] += flags >> bit & 1;
     r->n_measurable += flags == 0;
+    r->n_bright += row != NULL && shear_row_is_bright(row) ? 1 : 0;
+    r->n_sharp += row != NULL && shear_row_is_sharp(row) ? 1 : 0;
     if (b->dropped[i] == 0) {
         s->looked_at++;
         s->found += shear_centring_find(&b->stamps, i, b->x[i], b->y[i], &s->dx[s->found],

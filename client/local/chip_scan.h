@@ -20,8 +20,10 @@ typedef struct chip_scan {
  * field that is no exposure. Call chip_scan_deinit after an error, too. */
 int chip_scan_init(chip_scan *s, shear_field *field, sheard_validation_report *v, shear_error *err);
 void chip_scan_deinit(chip_scan *s);
-/* Add stamp `i` of a block, the next one of the field, with its flags. */
-int chip_scan_add(chip_scan *s, const shear_block *block, int i, unsigned flags, shear_error *err);
+/* Add stamp `i` of a block, the next one of the field, with its flags, and its row, if it has been
+ * measured, or NULL. */
+int chip_scan_add(chip_scan *s, const shear_block *block, int i, unsigned flags,
+                  const shear_row *row, shear_error *err);
 /* Finish the last chip, and complete the report. */
 int chip_scan_finish(chip_scan *s, sheard_validation_report *v, shear_error *err);
 

@@ -104,6 +104,13 @@ static const char *of_psf_size(const sheard_chip_report *r, const context *c, ch
     return psf_size_warning(&r->chip, line, LINE);
 }
 
+static const char *of_resolution(const sheard_chip_report *r, const context *c, char *line) {
+    return c->v->n_chips > 1 && c->v->measured /* of one chip the result itself is the exposure's */
+               ? sheard_advice_broad_psf_of(r->n_bright, r->n_sharp, &c->v->result, c->v->plan,
+                                            line, LINE)
+               : NULL;
+}
+
 static const char *of_wcs(const sheard_chip_report *r, const context *c, char *line) {
     if (r->chip.has_wcs || c->input->exposure.frame != 0)
         return NULL;
@@ -133,8 +140,9 @@ static void add(warning_list *w, const sheard_chip_report *r, int n, int chips, 
 }
 
 void chip_scan_warn(const sheard_validation_report *v, const shear_input *input, warning_list *w) {
-    static chip_warning *const kinds[] = {of_positions, of_catalog, of_noise,    of_mask,
-                                          of_weight,    of_stars,   of_psf_size, of_wcs};
+    static chip_warning *const kinds[] = {of_positions, of_catalog,    of_noise,
+                                          of_mask,      of_weight,     of_stars,
+                                          of_psf_size,  of_resolution, of_wcs};
     const context c = {v, input};
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
         char line[LINE];

@@ -145,7 +145,8 @@ static int scan_block(scan_state *s, shear_error *err) {
     for (int i = 0; i < t->count; i++)
         TRY(look_at_stamp(s, t, i, &flags[i], err));
     /* A log method fails for stamps with negative pixels; those are reported instead. */
-    if (s->v->negative.count == 0) {
+    const bool measured = s->v->negative.count == 0;
+    if (measured) {
         TRY(shear_measure_batch(s->plan, t, 0, NULL, s->rows, err));
         for (int i = 0; i < t->count; i++) {
             flags[i] |= s->rows[i].flags;
@@ -154,7 +155,7 @@ static int scan_block(scan_state *s, shear_error *err) {
     }
     for (int i = 0; i < t->count; i++) {
         count_flags(s->v, flags[i], t->first + i);
-        TRY(chip_scan_add(s->chips, s->block, i, flags[i], err));
+        TRY(chip_scan_add(s->chips, s->block, i, flags[i], measured ? &s->rows[i] : NULL, err));
         if (flags[i] == 0)
             weight_check_add(&s->weights, t, i);
     }

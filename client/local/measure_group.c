@@ -110,6 +110,7 @@ static void run_input(measure_input *input, const measure_options *o, const gath
         .threads = (int)o->threads,
         .catalog_path = input->catalog,
         .overwrite = o->force,
+        .rows = chip_counts_sink(&input->counts),
         .terms = to->terms,
         .checksum = input->checksum,
         .progress = progress_callback,
@@ -230,6 +231,30 @@ static void warn_of_other_psfs(measure_group *g) {
         warnings_add(&g->warnings, "%s", line);
 }
 
+/* Say which chips have a PSF that is too broad, if there are several chips or files. */
+static void warn_of_broad_psfs(measure_group *g) {
+    char line[SHEARD_ADVICE_SIZE];
+    char other[SHEARD_ADVICE_SIZE];
+    const char *name = NULL;
+    int broad = 0;
+    int chips = 0;
+    for (size_t i = 0; i < g->n; i++) {
+        const measure_input *in = g->inputs[i];
+        const char *its = NULL;
+        if (!in->measured)
+            continue;
+        chips += in->counts.n;
+        const int n = chip_counts_broad(&in->counts, &in->report.result, &in->report.plan,
+                                        broad == 0 ? line : other, sizeof line, &its);
+        name = broad == 0 ? its : name;
+        broad += n;
+    }
+    if (broad > 0 && chips > 1) {
+        warnings_add(&g->warnings, "%d of %d %s, the first %s: %s", broad, chips,
+                     chips > (int)g->n_measured ? "chips" : "files", name, line);
+    }
+}
+
 /* Add warnings about the result. */
 static void add_warnings(measure_group *g) {
     sheard_advice_list advice;
@@ -239,6 +264,7 @@ static void add_warnings(measure_group *g) {
     for (size_t i = 0; i < advice.n; i++)
         warnings_add(&g->warnings, "%s", advice.lines[i]);
     warn_of_other_psfs(g);
+    warn_of_broad_psfs(g);
     for (size_t i = 0; i < g->n; i++) {
         for (size_t k = 0; k < g->inputs[i]->warnings.n; k++)
             warnings_add(&g->warnings, "%s", g->inputs[i]->warnings.text[k]);

@@ -25,13 +25,16 @@ static void warn_of_chips(const shear_field *field, warning_list *warnings) {
     }
 }
 
+CLEANUP_DEFINE(shear_field, shear_field_close)
+
 /* Open and check the file. `name` is the name of its field; NULL: the file must contain one. */
 static int look_into(measure_input *input, const char *name, shear_error *err) {
-    shear_field *field = NULL;
+    CLEANUP(shear_field_release) shear_field *field = NULL;
     TRY(shear_field_open_input(&field, &input->source, NULL, err));
     input->info = *shear_field_get_info(field);
+    input->info.carried = NULL; /* which is the field's */
     warn_of_chips(field, &input->warnings);
-    shear_field_close(field);
+    TRY(chip_counts_init(&input->counts, field, input->path, err));
     TRY(shear_input_checksum(&input->source, NULL, &input->info, input->checksum, err));
     return name != NULL
                ? SHEAR_OK

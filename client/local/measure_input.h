@@ -3,6 +3,7 @@
  * could be measured. */
 #pragma once
 
+#include "local/chip_counts.h"
 #include "local/warnings.h"
 #include "shear/field.h"
 #include "shear/run.h"
@@ -17,6 +18,7 @@ typedef struct measure_input {
     enum exit_code
         failure; /* EXIT_CODE_DONE, or the reason for the failure, which has been printed */
     warning_list warnings; /* about its chips */
+    chip_counts counts;
     bool duplicate;        /* same content and field as an earlier file: not measured */
     const char *field;     /* the field that it belongs to: --field, or info.name */
     shear_field_info info; /* as opened */

@@ -82,6 +82,17 @@ static void fail_astray(const sheard_chip_report *r, shear_error *words) {
                sources_away_warning(&r->chip, line, sizeof line));
 }
 
+/* Return whether the PSF of a chip is too broad. */
+static bool has_broad_psf(const sheard_validation_report *v) {
+    char line[SHEARD_ADVICE_SIZE];
+    bool broad = false;
+    for (int i = 0; i < v->n_chips && !broad; i++) {
+        broad = sheard_advice_broad_psf_of(v->chips[i].n_bright, v->chips[i].n_sharp, &v->result,
+                                           v->plan, line, sizeof line) != NULL;
+    }
+    return broad;
+}
+
 void validation_conclude(sheard_validation_report *v, shear_error *words) {
     const int64_t n = v->field->n_stamps;
     sheard_cause cause;
@@ -95,6 +106,9 @@ void validation_conclude(sheard_validation_report *v, shear_error *words) {
     } else if (v->measured && sheard_cause_of(&v->result, v->plan, &cause)) {
         shear_fail(words, SHEAR_E_FORMAT, cause.advice, "%s: %s", cause.words,
                    v->result.valid ? "the shear is biased" : "no shear could be measured");
+    } else if (v->measured && has_broad_psf(v)) {
+        shear_fail(words, SHEAR_E_FORMAT, "give each chip the PSF of its own stars",
+                   "the PSF of a chip is too broad: the shear is biased");
     } else if (v->measured && !v->result.valid) {
         fail_no_shear(v, words);
     } else {

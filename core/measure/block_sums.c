@@ -39,13 +39,14 @@ static void weigh_components(const shear_row *row, double *x) {
  * a point source so (docs/method.md, section 5.1). */
 static const double SHARP_PART = 0.02, SHARP_SIGMA = 3.0;
 
-static bool is_bright(const shear_row *row) {
+bool shear_row_is_bright(const shear_row *row) {
     const double least = SHARP_PART * (row->m20 + row->m02);
-    return row->d_err < least && fabs(row->noise_d) < least && row->weight > 0.0;
+    return row->flags == 0 && row->d_err < least && fabs(row->noise_d) < least && row->weight > 0.0;
 }
 
-static bool is_sharp(const shear_row *row) {
-    return row->d < -SHARP_PART * (row->m20 + row->m02) - SHARP_SIGMA * row->d_err;
+bool shear_row_is_sharp(const shear_row *row) {
+    return shear_row_is_bright(row) &&
+           row->d < -SHARP_PART * (row->m20 + row->m02) - SHARP_SIGMA * row->d_err;
 }
 
 /* Fill in a term and the next one, its square. */
@@ -75,8 +76,8 @@ bool block_terms(const shear_row *row, double *terms) {
     put_with_square(terms, SHEAR_S_BORDER_STEP_X, row->border_step_x);
     put_with_square(terms, SHEAR_S_BORDER_STEP_Y, row->border_step_y);
     put_with_square(terms, SHEAR_S_BORDER_STEP2, row->border_step2);
-    terms[SHEAR_S_BRIGHT] = is_bright(row) ? 1.0 : 0.0;
-    terms[SHEAR_S_SHARP] = is_bright(row) && is_sharp(row) ? 1.0 : 0.0;
+    terms[SHEAR_S_BRIGHT] = shear_row_is_bright(row) ? 1.0 : 0.0;
+    terms[SHEAR_S_SHARP] = shear_row_is_sharp(row) ? 1.0 : 0.0;
     terms[SHEAR_S_BRIGHT_TRIPLES] = terms[SHEAR_S_SHARP_TRIPLES] = 0.0;
     bool good = true;
     for (int term = 0; term < SHEAR_N_TERMS; term++)

@@ -10,18 +10,14 @@
 
 #include <string.h>
 
-static int write_catalog(void *self, int64_t first, int count, const shear_row *rows,
-                         const shear_block *block, shear_error *err) {
-    return shear_catalog_write(self, first, count, rows, block, err);
-}
-
 /* What a run owns. */
 typedef struct run {
     shear_field *field;
     shear_plan *plan;
     shear_catalog *catalog;
     file_source source;
-    team_sums sums; /* of this file; joined to the caller's at the end */
+    shear_sink rows; /* the caller's */
+    team_sums sums;  /* of this file; joined to the caller's at the end */
 } run;
 
 static void run_deinit(run *r) {
@@ -30,6 +26,16 @@ static void run_deinit(run *r) {
     shear_catalog_abort(r->catalog);
     shear_plan_free(r->plan);
     shear_field_close(r->field);
+}
+
+/* Write rows into the catalog, and hand them to the caller. */
+static int write_rows(void *self, int64_t first, int count, const shear_row *rows,
+                      const shear_block *block, shear_error *err) {
+    const run *r = self;
+    if (r->catalog != NULL)
+        TRY(shear_catalog_write(r->catalog, first, count, rows, block, err));
+    return r->rows.write != NULL ? r->rows.write(r->rows.self, first, count, rows, block, err)
+                                 : SHEAR_OK;
 }
 
 /* Put the catalog in place. */
@@ -57,17 +63,16 @@ static int run_field(run *r, const shear_input *input, const shear_settings *set
                                  err));
     }
     TRY(file_source_init(&r->source, r->field, threads, size.stamps, err));
-    const team_job job = {
-        .work = {.info = info,
-                 .plan = r->plan,
-                 .source = file_source_as_source(&r->source),
-                 .sink = {.self = r->catalog, .write = r->catalog != NULL ? write_catalog : NULL},
-                 .size = size,
-                 .terms = options->terms != NULL},
-        .threads = threads,
-        .jackknife = jackknife,
-        .progress = options->progress,
-        .context = options->context};
+    const team_job job = {.work = {.info = info,
+                                   .plan = r->plan,
+                                   .source = file_source_as_source(&r->source),
+                                   .sink = {.self = r, .write = write_rows},
+                                   .size = size,
+                                   .terms = options->terms != NULL},
+                          .threads = threads,
+                          .jackknife = jackknife,
+                          .progress = options->progress,
+                          .context = options->context};
     report->plan = *shear_plan_get_info(r->plan);
     TRY(team_measure(&job, &r->sums, &report->result, err));
     return r->catalog == NULL ? SHEAR_OK
@@ -95,7 +100,7 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
     static const shear_run_options defaults = {0};
     const shear_run_options *o = options != NULL ? options : &defaults;
     const double start = clock_s(CLOCK_MONOTONIC);
-    CLEANUP(run_deinit) run r = {0};
+    CLEANUP(run_deinit) run r = {.rows = o->rows};
     TRY(shear_field_open_input(&r.field, input, NULL, err));
     report->field = *shear_field_get_info(r.field);
     int code = run_field(&r, input, settings, o, jack != NULL, report, err);

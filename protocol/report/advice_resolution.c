@@ -35,6 +35,15 @@ static double triples_by_chance(const shear_result *r) {
     return (double)r->bright_triples * pow((double)r->n_sharp / (double)r->n_bright, 3.0);
 }
 
+const char *sheard_advice_broad_psf_of(int64_t bright, int64_t sharp, const shear_result *r,
+                                       const shear_plan_info *plan, char *buf, size_t size) {
+    shear_result part = *r;
+    part.n_bright = bright;
+    part.n_sharp = sharp;
+    part.sharp_triples = 0;
+    return sheard_advice_broad_psf(&part, plan, buf, size);
+}
+
 const char *sheard_advice_broad_psf(const shear_result *r, const shear_plan_info *plan, char *buf,
                                     size_t size) {
     const bool many =

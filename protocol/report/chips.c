@@ -28,6 +28,8 @@ static json_t *chip(const sheard_chip_report *r, bool scanned) {
         {"n_extreme", json_integer(r->n_extreme)}, {"n_sources", json_integer(c->n_sources)},
         {"n_selected", json_integer(c->n_stamps)},
         {"n_measurable", scanned ? json_integer(r->n_measurable) : json_null()},
+        {"n_bright", scanned ? json_integer(r->n_bright) : json_null()},
+        {"n_sharp", scanned ? json_integer(r->n_sharp) : json_null()},
         {"flags",
          scanned ? json_text_counts(r->flags, SHEAR_N_FLAGS, shear_flag_name) : json_null()},
         {"centring", scanned ? parts_centring(&r->centring) : json_null()});

@@ -293,7 +293,7 @@ class SameBits(Changed):
         self.places = rounded
         one = self.measure(*self.options(sources=self.ldac()))
         self.places = {n: (c, x - 1, y - 1) for n, (c, x, y) in rounded.items()}
-        self.assertSameBits(one, self.measure(*self.options(sources=self.ldac(), origin=0)))
+        self.assertSameBits(one, self.measure(*self.options(sources=self.ldac(), origin=0)), ("X_IMAGE", "Y_IMAGE"))
 
     def test_names_of_columns(self):
         content = read(self.path("exp.cat"))

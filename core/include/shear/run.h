@@ -60,6 +60,7 @@ typedef struct shear_run_options {
     int threads;              /**< 0 = all cores */
     const char *catalog_path; /**< where to write the rows, or NULL */
     bool overwrite;           /**< replace an existing catalog */
+    shear_sink rows;          /**< gets the rows, flagged ones, too; {0}: nobody */
     shear_symmetry *terms; /**< gets the terms of all stamps, whatever the estimator; they are held
                               twice until the file is done; or NULL */
     const char *checksum;  /**< of the input, for the catalog; NULL = it is computed if a catalog is

@@ -104,6 +104,12 @@ typedef struct shear_influence {
     int64_t stamp; /**< its number in its file */
 } shear_influence;
 
+/** Return whether the row is unflagged, has weight, and noise changes D little: were it a point
+ * source, by less than 2 % of M20 + M02 (docs/method.md section 5.1). */
+bool shear_row_is_bright(const shear_row *row);
+/** Return whether such a row is sharper than its PSF, by 3 errors of D and 2 % of M20 + M02. */
+bool shear_row_is_sharp(const shear_row *row);
+
 /** The sums of one block. Plain data: it may be copied, stored and sent between processes of one
  * machine. */
 typedef struct shear_block_sums {

@@ -74,6 +74,10 @@ sheard_advice sheard_advice_many_artefacts;
  * blocks (docs/method.md section 5.1): the PSF is too broad. Not where noise, aliases or small
  * stamps may have made them so. */
 sheard_advice sheard_advice_broad_psf;
+/* The same of a part, a chip or a file, with so many bright and sharp stamps; the rest is of all.
+ */
+const char *sheard_advice_broad_psf_of(int64_t bright, int64_t sharp, const shear_result *r,
+                                       const shear_plan_info *plan, char *buf, size_t size);
 
 /* The light of galaxies is not where their positions are: they count from another pixel, or belong
  * to another image. */
@@ -82,9 +86,9 @@ sheard_advice sheard_advice_centring;
 const char *sheard_advice_positions(const shear_centring *c, char *buf, size_t size);
 
 /* A cause that makes the shear wrong by more than a percent, or prevents it, and cannot be
- * corrected: noise stamps without noise or with noise of another spectrum, stamps that are too small
- * (by an estimate of more than 10 %), or a PSF that is too broad. sheard_cause_of returns false if there is none. The
- * strings are static. */
+ * corrected: noise stamps without noise or with noise of another spectrum, stamps that are too
+ * small (by an estimate of more than 10 %), or a PSF that is too broad. sheard_cause_of returns
+ * false if there is none. The strings are static. */
 typedef struct sheard_cause {
     const char *words, *advice;
 } sheard_cause;
