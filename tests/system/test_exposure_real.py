@@ -17,6 +17,7 @@ from tool import DONE, INPUT, SANITIZED, shearctl
 
 SURVEY = os.path.join(os.environ.get("SHEAR_SHARED", ""), "survey")
 SEXTRACTOR = shutil.which("source-extractor") or shutil.which("sex")
+MEDS = "is a MEDS file .*, which cannot be read"
 NO_TABLE, NO_IMAGE, NO_PSF, TEXT = "has no binary table", "has no 2-D image", "holds no PSF", "not a FITS file"
 NO_PLACES, SEVERAL = "has no positions: no numbers X_IMAGE", "images, none of which is called PSF"
 # As image, catalog and PSF: None: read; else why it is refused. The first pattern that fits decides.
@@ -31,7 +32,7 @@ FILES = (
     ("ldac/sim_ASCII.cat.gz", TEXT, "ASCII_HEAD", TEXT),
     ("ldac/sim_ASCII_HEAD.cat", TEXT, None, TEXT),
     ("ldac/*", NO_IMAGE, None, NO_PSF),
-    ("meds/*.fits", NO_IMAGE, "none of 12 selected sources is on the image", NO_PSF),
+    ("meds/*.fits", MEDS, "none of 12 selected sources is on the image", MEDS),
     ("piff/test_single*", NO_IMAGE, "3 tables of sources", "'Moffat' of Piff needs Piff itself"),
     ("piff/testStarsRubin*", NO_IMAGE, NO_PLACES, "none of .* has a PSF"),  # its stars are elsewhere
     ("piff/truth*", NO_IMAGE, None, NO_PSF),

@@ -3,6 +3,7 @@
 
 #include "base/cleanup.h"
 #include "survey/cutout/light.h"
+#include "survey/cutout/marks.h"
 #include "survey/cutout/noise_boxes.h"
 #include "survey/cutout/plane.h"
 
@@ -164,10 +165,8 @@ static bool write_stamp(const cutter *c, const uint8_t *away, double *out) {
     if (!plane_of_frame(&p, c->value, away, c->side, FRAME))
         return false;
     for (int y = 0; y < stamp; y++) {
-        const double *row = c->value + (ptrdiff_t)(y + FRAME) * c->side + FRAME;
-        const double start = plane_at(&p, FRAME, y + FRAME);
-        for (int x = 0; x < stamp; x++)
-            out[(ptrdiff_t)y * stamp + x] = row[x] - (start + p.cx * x);
+        plane_subtract(&p, FRAME, y + FRAME, c->value + (ptrdiff_t)(y + FRAME) * c->side + FRAME,
+                       stamp, out + (ptrdiff_t)y * stamp);
     }
     return true;
 }
@@ -204,20 +203,15 @@ static double local_sigma(const cutter *c, double scale, double level) {
 
 /* Add a box's defects to those of the pair. False, and nothing is added, if one is in the light. */
 static bool unite(const cutter *c) {
-    const int stamp = c->options.stamp;
-    for (int y = FRAME; y < FRAME + stamp; y++) {
-        for (int x = FRAME; x < FRAME + stamp; x++) {
-            const ptrdiff_t at = (ptrdiff_t)y * c->side + x;
-            if (c->defect[at] != 0 && c->light.own[at] != 0)
-                return false;
-        }
+    const size_t stamp = (size_t)c->options.stamp;
+    const ptrdiff_t first = (ptrdiff_t)FRAME * c->side + FRAME;
+    for (int y = 0; y < c->options.stamp; y++) {
+        const ptrdiff_t at = first + (ptrdiff_t)y * c->side;
+        if (marks_meet(c->defect + at, c->light.own + at, stamp))
+            return false;
     }
-    for (int y = 0; y < stamp; y++) {
-        for (int x = 0; x < stamp; x++) {
-            const ptrdiff_t at = (ptrdiff_t)(y + FRAME) * c->side + x + FRAME;
-            c->united[(ptrdiff_t)y * stamp + x] |= c->defect[at] != 0;
-        }
-    }
+    for (int y = 0; y < c->options.stamp; y++)
+        marks_add(c->united + (size_t)y * stamp, c->defect + first + (ptrdiff_t)y * c->side, stamp);
     return true;
 }
 
@@ -245,8 +239,7 @@ static const uint8_t *find_away(const cutter *c, int x, int y) {
         for (int i = 0; i < c->side; i++)
             away[i] = cells[(unsigned)(x + i) / BOX_CELL] / BOX_TOUCHED;
     }
-    for (ptrdiff_t i = 0; i < (ptrdiff_t)c->side * c->side; i++)
-        c->away[i] |= c->defect[i];
+    marks_add(c->away, c->defect, (size_t)c->side * (size_t)c->side);
     return c->away;
 }
 

@@ -2,6 +2,7 @@
 #include "survey/cutout/growth.h"
 
 #include "base/simd.h"
+#include "survey/cutout/marks.h"
 
 #include <assert.h>
 #include <stddef.h>
@@ -22,12 +23,6 @@ void growth_begin(growth *g) {
         memset(g->reach[w], 0, width_of(g));
 }
 
-SHEAR_SIMD static void unite(uint8_t *restrict to, const uint8_t *restrict from, size_t n) {
-#pragma omp simd
-    for (size_t i = 0; i < n; i++)
-        to[i] |= from[i];
-}
-
 void growth_add(growth *g, const uint8_t *row, int d, int radius) {
     assert(radius <= GROWTH_MOST);
     if (d > radius)
@@ -35,7 +30,7 @@ void growth_add(growth *g, const uint8_t *row, int d, int radius) {
     int w = 0;
     while ((w + 1) * (w + 1) + d * d <= radius * radius)
         w++;
-    unite(g->reach[w], row, width_of(g));
+    marks_add(g->reach[w], row, width_of(g));
 }
 
 SHEAR_SIMD static void widen(uint8_t *restrict out, const uint8_t *row, size_t w, size_t n) {
@@ -49,7 +44,7 @@ SHEAR_SIMD static void widen(uint8_t *restrict out, const uint8_t *row, size_t w
 void growth_finish(growth *g, uint8_t *out) {
     /* What is widened by w is also widened by everything less. */
     for (int w = GROWTH_MOST; w > 0; w--)
-        unite(g->reach[w - 1], g->reach[w], width_of(g));
+        marks_add(g->reach[w - 1], g->reach[w], width_of(g));
     memcpy(out, g->reach[0] + GROWTH_MOST, (size_t)g->n);
     for (int w = 1; w <= GROWTH_MOST; w++)
         widen(out, g->reach[w], (size_t)w, (size_t)g->n);

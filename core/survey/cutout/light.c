@@ -3,6 +3,7 @@
 
 #include "base/simd.h"
 #include "shear/stamp.h"
+#include "survey/cutout/marks.h"
 #include "survey/pixels/chip_pixels.h"
 
 #include <math.h>
@@ -131,12 +132,6 @@ SHEAR_SIMD static unsigned look_at(const uint8_t *restrict own, const uint8_t *r
     return found;
 }
 
-SHEAR_SIMD static void add_marks(uint8_t *restrict to, const uint8_t *restrict from, int n) {
-#pragma omp simd
-    for (int x = 0; x < n; x++)
-        to[x] |= from[x] != 0;
-}
-
 /* Finish the masks. Return the flags of what is found in its light, in the stamp. */
 static uint32_t find_all(light *l, const place *g) {
     const int n = l->side;
@@ -153,8 +148,8 @@ static uint32_t find_all(light *l, const place *g) {
             const ptrdiff_t in = at + l->frame;
             found |= look_at(l->own + in, l->defect + in, l->mask + in, stamp);
         }
-        add_marks(l->mask + at, l->defect + at, n);
-        add_marks(l->away + at, l->mask + at, n);
+        marks_add(l->mask + at, l->defect + at, (size_t)n);
+        marks_add(l->away + at, l->mask + at, (size_t)n);
     }
     return ((found & 1U) != 0 ? SHEAR_FLAG_HOLE : 0U) |
            ((found & 2U) != 0 ? SHEAR_FLAG_SATURATED : 0U) |

@@ -31,6 +31,15 @@ bool plane_fit(const plane_sums *s, plane *p, double *chi2) {
     return true;
 }
 
+SHEAR_SIMD void plane_subtract(const plane *p, int x, int y, const double *restrict row, int n,
+                               double *restrict out) {
+    const double start = plane_at(p, x, y);
+    const double slope = p->cx;
+#pragma omp simd
+    for (int i = 0; i < n; i++)
+        out[i] = row[i] - (start + slope * i);
+}
+
 /* Sums in lanes, which are vectors on any machine and the same to the last bit. */
 enum { LANES = 8 };
 typedef struct lane_sums {

@@ -35,6 +35,10 @@ static inline double plane_at(const plane *p, double x, double y) {
     return p->c + p->cx * x + p->cy * y;
 }
 
+/* Subtract the plane from n pixels of row y, from column x on. */
+void plane_subtract(const plane *p, int x, int y, const double *restrict row, int n,
+                    double *restrict out);
+
 /* Fit the plane. *chi2 (may be NULL) is the weighted sum of the squares of the residuals. False if
  * the values lie on a line, or are none. */
 bool plane_fit(const plane_sums *s, plane *p, double *chi2);
