@@ -24,7 +24,8 @@ enum {
     FIRST_BYTES = 48 << 20,
     BAND_PIXELS = 1 << 18,
     MIN_BANDS = 2,
-    USUAL_READS = 2
+    USUAL_READS = 2,
+    SURVEY_ROWS = 72 /* that a survey looks at together, at most */
 };
 
 /* Rows of the chip in memory. */
@@ -210,17 +211,37 @@ static int fill(chip_pixels *c, band *b, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Return the slot for a band: a new one, or that which was not used for longest. */
-static band *choose_slot(chip_pixels *c, int number) {
+/* Return the slot that was not used for longest. */
+static band *oldest(chip_pixels *c) {
     band *b = &c->slots[0];
-    const bool again = c->reads[number] >= USUAL_READS;
-    if (c->n_used < (again ? c->n_slots : c->n_first))
-        return &c->slots[c->n_used++];
     for (int i = 1; i < c->n_used; i++) {
         if (c->slots[i].used < b->used)
             b = &c->slots[i];
     }
     return b;
+}
+
+/* Return the slot of the last band before those that a survey looks at when it comes to this one;
+ * NULL if there is none. */
+static band *just_surveyed(chip_pixels *c, int number) {
+    band *b = NULL;
+    for (int i = 0; i < c->n_used; i++) {
+        band *of = &c->slots[i];
+        if (of->number < number - SURVEY_ROWS / c->rows - 1 &&
+            (b == NULL || of->number > b->number))
+            b = of;
+    }
+    return b;
+}
+
+/* Return the slot for a band: a new one, or that of the band which is least likely to be read
+ * again. A catalog begins in the first rows, so that a survey, which reads each band for the first
+ * time, leaves these. */
+static band *choose_slot(chip_pixels *c, int number) {
+    if (c->n_used < (c->reads[number] >= USUAL_READS ? c->n_slots : c->n_first))
+        return &c->slots[c->n_used++];
+    band *surveyed = c->reads[number] == 0 ? just_surveyed(c, number) : NULL;
+    return surveyed != NULL ? surveyed : oldest(c);
 }
 
 /* Put a band into the slot, in place of the one that it holds. */
