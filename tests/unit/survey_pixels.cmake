@@ -10,3 +10,4 @@ endfunction()
 
 survey_pixels_test(exposure_images)
 survey_pixels_test(chip_pixels)
+survey_pixels_test(chip_bands)

@@ -45,7 +45,7 @@ struct chip_pixels {
     int nx, ny;
     int rows;     /* of a band; the last one may have fewer */
     int *slot_of; /* [bands]: index of a band's slot, -1: it is not in memory */
-    int *reads;   /* [bands]: how often it was read */
+    int *reads;   /* [bands]: how often it was read, up to USUAL_READS */
     band *slots;  /* [n_slots], of which n_used are or were in use */
     int n_slots, n_first, n_used;
     void *pixels; /* of all slots */
@@ -249,7 +249,7 @@ static int load(chip_pixels *c, band *b, int number, shear_error *err) {
     if (b->number >= 0)
         c->slot_of[b->number] = -1;
     b->number = number;
-    c->reads[number]++;
+    c->reads[number] += c->reads[number] < USUAL_READS;
     const int code = fill(c, b, err);
     if (code == SHEAR_OK) {
         c->slot_of[number] = (int)(b - c->slots);
