@@ -139,12 +139,13 @@ CLEANUP_DEFINE(sky_map, sky_map_free)
 static int check_positions(const opening *o, const source_list *sources, const sky_map *map,
                            bool shared, shear_error *err) {
     const char *file = part_of(o, SHEAR_PART_CATALOG)->path;
-    if (sources->n > 0 && map == NULL && (sources->x == NULL || (shared && sources->ra != NULL))) {
+    if (sources->rows > 0 && map == NULL &&
+        (sources->x == NULL || (shared && sources->ra != NULL))) {
         return shear_fail(err, SHEAR_E_FORMAT,
                           "give pixel positions (--columns x=...,y=...), or the WCS (--wcs)",
                           "file '%s': has RA and Dec only, and the image has no WCS", file);
     }
-    if (shared && sources->n > 0 && sources->ra == NULL) {
+    if (shared && sources->rows > 0 && sources->ra == NULL) {
         return shear_fail(err, SHEAR_E_FORMAT,
                           "give a table for each chip, or RA and Dec (--columns ra=...,dec=...)",
                           "file '%s': has one table of pixel positions for %d chips", file,
@@ -188,10 +189,25 @@ static int check_amplifiers(const opening *o, int chip, const chip_inputs *in, s
                       where, a->columns, a->rows, in->nx, in->ny, least, least);
 }
 
+/* Load the chip's sources; of a catalog of several chips, those near it. */
+static int load_sources(const opening *o, exposure_chip *c, const chip_inputs *in,
+                        shear_error *err) {
+    const contexts *wanted = in->contexts;
+    const bool near = in->only_inside && in->map != NULL;
+    source_cap cap;
+    c->sky = (near_chip){NAN, NAN};
+    if (near)
+        cap = near_chip_cap(in->map, in->nx, in->ny, &c->sky);
+    TRY(source_catalog_load(o->e->catalog, c->table, wanted->columns, wanted->n_columns,
+                            near ? &cap : NULL, in->sources, err));
+    if (near)
+        near_chip_measure(&c->sky, &cap);
+    return SHEAR_OK;
+}
+
 static int open_chip(opening *o, int chip, shear_error *err) {
     exposure *e = o->e;
     exposure_chip *c = &e->chips[chip];
-    c->sky = (near_chip){NAN, NAN};
     contexts wanted;
     CLEANUP(sky_map_release) sky_map *map = NULL;
     CLEANUP(source_list_deinit) source_list sources = {0};
@@ -200,13 +216,7 @@ static int open_chip(opening *o, int chip, shear_error *err) {
                      part_of(o, SHEAR_PART_WCS)->path, err));
     c->mapped = map != NULL;
     TRY(find_contexts(o, chip, &wanted, err));
-    TRY(source_catalog_load(o->e->catalog, c->table, wanted.columns, wanted.n_columns, &sources,
-                            err));
     const bool shared = e->n_chips > 1 && source_catalog_tables(o->e->catalog) == 1;
-    TRY(check_positions(o, &sources, map, shared, err));
-    if (shared)
-        forget_pixels(&sources);
-    source_count_add(&o->sources, &sources, shared);
     chip_inputs in = {.sources = &sources,
                       .map = map,
                       .psf = e->psf,
@@ -215,8 +225,11 @@ static int open_chip(opening *o, int chip, shear_error *err) {
                       .only_inside = shared};
     exposure_images_size(e->images, chip, &in.nx, &in.ny);
     TRY(check_amplifiers(o, chip, &in, err));
-    if (shared && map != NULL)
-        TRY(near_chip_keep(&sources, map, in.nx, in.ny, &c->sky, err));
+    TRY(load_sources(o, c, &in, err));
+    TRY(check_positions(o, &sources, map, shared, err));
+    if (shared)
+        forget_pixels(&sources);
+    source_count_add(&o->sources, &sources, shared);
     TRY(noise_match(e, chip, part_of(o, SHEAR_PART_IMAGE)->path, part_of(o, SHEAR_PART_NOISE)->path,
                     &c->noise, err));
     TRY(chip_stamps_init(&c->stamps, &in, err));

@@ -2,7 +2,7 @@
 /* survey/near_chip.h: which sources of a catalog of several chips may be on one of them. */
 #pragma once
 
-#include "survey/sources/source_list.h"
+#include "survey/sources/source_cap.h"
 #include "survey/wcs/sky_map.h"
 
 /* Distances from a chip's middle, degrees. */
@@ -12,9 +12,10 @@ typedef struct near_chip {
     double corner_deg;  /* of its farthest corner; NaN: unknown */
 } near_chip;
 
-/* Drop the sources whose RA and Dec are far from the chip, so that only the others are converted to
- * its pixels, and kept: of a large catalog that takes minutes for many chips. Those within 1.5
- * times the distance of its corners from its middle, and 2 arcmin, remain. If some of the chip has
- * no place on the sky, all do. SHEAR_E_NOMEM. */
-int near_chip_keep(source_list *sources, sky_map *map, int nx, int ny, near_chip *found,
-                   shear_error *err);
+/* Return the cap of the sources that may be on the chip, so that only these are converted to its
+ * pixels, and kept: of a large catalog that takes minutes for many chips. It reaches to 1.5 times
+ * the distance of the chip's corners from its middle, and 2 arcmin; if some of the chip has no
+ * place on the sky, it is the whole sky. */
+source_cap near_chip_cap(sky_map *map, int nx, int ny, near_chip *found);
+/* Find the distance of the nearest source, once the cap has seen all. */
+void near_chip_measure(near_chip *found, const source_cap *cap);

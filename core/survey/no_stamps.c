@@ -8,9 +8,8 @@
 void source_count_add(source_count *c, const source_list *sources, bool shared) {
     if (shared)
         *c = (source_count){0};
-    c->rows += sources->n;
-    for (int64_t i = 0; i < sources->n; i++)
-        c->selected += sources->selected[i] != 0;
+    c->rows += sources->rows;
+    c->selected += sources->rows_selected;
     c->by_sky = sources->x == NULL;
 }
 

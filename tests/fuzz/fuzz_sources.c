@@ -41,7 +41,7 @@ static void load(source_catalog *c, int i) {
         sum += cards[k];
     sum += (double)strlen(source_catalog_chip(c, i));
     for (int n = 0; n <= 2; n += 2) {
-        if (source_catalog_load(c, i, contexts, n, &s, &err) == SHEAR_OK)
+        if (source_catalog_load(c, i, contexts, n, NULL, &s, &err) == SHEAR_OK)
             sum += sum_of(&s);
         source_list_deinit(&s);
     }

@@ -12,7 +12,7 @@ static double at(const double *values, int64_t i) {
 static int dump(source_catalog *c, int table, shear_error *err) {
     source_list s;
     int64_t cards = 0;
-    const int code = source_catalog_load(c, table, NULL, 0, &s, err);
+    const int code = source_catalog_load(c, table, NULL, 0, NULL, &s, err);
     (void)source_catalog_header(c, table, &cards);
     printf("table %d %s %lld\n", table, source_catalog_chip(c, table), (long long)cards);
     for (int64_t i = 0; code == SHEAR_OK && i < s.n; i++) {

@@ -125,7 +125,7 @@ source_catalog *source_fixture_open(const char *path, const shear_exposure *expo
 source_list source_fixture_load(source_catalog *c, int i) {
     source_list s;
     shear_error err = {0};
-    if (source_catalog_load(c, i, NULL, 0, &s, &err) != 0)
+    if (source_catalog_load(c, i, NULL, 0, NULL, &s, &err) != 0)
         fail_msg("%s", err.message);
     return s;
 }
@@ -152,7 +152,7 @@ void source_fixture_expect(const char *path, const shear_exposure *exposure, int
     const shear_input_part part = {.path = path, .hdu = -1};
     int got = source_catalog_open(&c, &part, -1, exposure != NULL ? exposure : &defaults, &err);
     if (got == SHEAR_OK)
-        got = source_catalog_load(c, 0, NULL, 0, &s, &err);
+        got = source_catalog_load(c, 0, NULL, 0, NULL, &s, &err);
     if (got != code)
         fail_msg("code %d, not %d: %s", got, code, err.message);
     source_list_deinit(&s);

@@ -12,6 +12,7 @@ endfunction()
 survey_sources_test(sources_formats)
 survey_sources_test(sources_select)
 survey_sources_test(sources_hostile)
+survey_sources_test(sources_many)
 shear_add_test(sources_nomem SOURCES test_sources_nomem.c scarce.c LIBRARIES source_fixtures LABELS survey)
 target_link_options(test_sources_nomem PRIVATE -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)
 

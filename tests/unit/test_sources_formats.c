@@ -120,7 +120,7 @@ static void test_chips_of_one_table(void **state) {
     for (int i = 0; i < 4; i++) {
         source_list s;
         assert_string_equal(source_catalog_chip(c, i), "");
-        assert_int_equal(source_catalog_load(c, i, contexts, 2, &s, NULL), SHEAR_OK);
+        assert_int_equal(source_catalog_load(c, i, contexts, 2, NULL, &s, NULL), SHEAR_OK);
         assert_int_equal(s.n, i == 0 ? 4 : i == 3 ? 6 : 0);
         for (int64_t k = 0; k < s.n; k++) {
             const int64_t row = s.id[k] - 1;
@@ -241,14 +241,14 @@ static void test_contexts(void **state) {
     static const char *const names[] = {"mag_auto", "NUMBER", "MAG_AUTOS"};
     source_list s;
     shear_error err = {0};
-    assert_int_equal(source_catalog_load(c, 0, names, 2, &s, &err), SHEAR_OK);
+    assert_int_equal(source_catalog_load(c, 0, names, 2, NULL, &s, &err), SHEAR_OK);
     assert_int_equal(s.n_contexts, 2);
     for (long i = 0; i < 12; i++) {
         assert_true(s.context[2 * i] == 18.0 + (double)(i % 10) * 0.5);
         assert_true(s.context[2 * i + 1] == (double)(i + 1));
     }
     source_list_deinit(&s);
-    assert_int_equal(source_catalog_load(c, 0, names, 3, &s, &err), SHEAR_E_FORMAT);
+    assert_int_equal(source_catalog_load(c, 0, names, 3, NULL, &s, &err), SHEAR_E_FORMAT);
     assert_non_null(strstr(err.message, "MAG_AUTOS"));
     assert_non_null(strstr(err.advice, "did you mean MAG_AUTO?"));
     source_list_deinit(&s);

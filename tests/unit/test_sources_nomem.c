@@ -14,7 +14,7 @@ static int open_and_load(const char *path, const shear_exposure *e, int64_t *n, 
     const shear_input_part part = {.path = path, .hdu = -1};
     int code = source_catalog_open(&c, &part, -1, e, err);
     if (code == SHEAR_OK)
-        code = source_catalog_load(c, source_catalog_tables(c) - 1, contexts, 1, &s, err);
+        code = source_catalog_load(c, source_catalog_tables(c) - 1, contexts, 1, NULL, &s, err);
     *n = s.n;
     source_list_deinit(&s);
     source_catalog_close(c);

@@ -50,7 +50,7 @@ static int convert(opening *o, shear_error *err) {
             "is neither FITS nor SExtractor's ASCII_HEAD: it begins with neither 'SIMPLE  "
             "=' nor '#'");
     }
-    TRY(text_table_convert(o->fd, o->at, OBJECT_TABLE_ROWS, &converted, err));
+    TRY(text_table_convert(o->fd, o->at, OBJECT_TEXT_ROWS, &converted, err));
     replace(o, converted);
     return SHEAR_OK;
 }

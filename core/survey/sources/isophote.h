@@ -22,6 +22,6 @@
 /* Return whether the table has columns for ellipses. */
 bool isophote_known(const source_columns *c);
 
-/* Read a, b and theta, arrays of a number per row; NaN where a semi-axis is not positive and
+/* Read a, b and theta of the rows of c, arrays of [c->n]; NaN where a semi-axis is not positive and
  * finite. */
 int isophote_read(const source_columns *c, double *a, double *b, double *theta, shear_error *err);

@@ -206,32 +206,44 @@ static const sf_column *extension_column(const sf_table *t) {
     return c != NULL ? c : source_columns_number(t, "FIELD_POS");
 }
 
-int open_table_extensions(const open_table *t, int64_t *out, shear_error *err) {
-    return sf_table_integers(&t->table, extension_column(&t->table), 0, t->cards.hdu->axes[1], 0,
-                             out, err);
+int open_table_extensions(const open_table *t, int64_t first, int64_t n, int64_t *out,
+                          shear_error *err) {
+    return sf_table_integers(&t->table, extension_column(&t->table), first, n, 0, out, err);
+}
+
+/* The numbers that were found. */
+typedef struct extension_range {
+    int64_t low, high; /* 0: none yet */
+} extension_range;
+
+static int add_extension(extension_range *r, const open_table *t, int64_t row, int64_t number,
+                         shear_error *err) {
+    if (number < 1 || number > OBJECT_TABLE_CHIPS) {
+        return sf_fail(err, SHEAR_E_FORMAT, t->cards.at, "leave the column out",
+                       "row %lld: %s is not a number of a chip, from 1 to %d", (long long)row + 1,
+                       extension_column(&t->table)->name, OBJECT_TABLE_CHIPS);
+    }
+    r->low = r->low == 0 || number < r->low ? number : r->low;
+    r->high = number > r->high ? number : r->high;
+    return SHEAR_OK;
 }
 
 /* Find the largest number; 0 = no chips are told apart, or there is only one. */
 static int last_extension(const open_table *t, int64_t *last, shear_error *err) {
-    const int64_t n = t->cards.hdu->axes[1];
-    bool several = false;
+    enum { CHUNK = 4096 };
+    const int64_t rows = t->cards.hdu->axes[1];
+    int64_t number[CHUNK];
+    extension_range found = {0, 0};
     *last = 0;
-    if (extension_column(&t->table) == NULL || n == 0)
+    if (extension_column(&t->table) == NULL)
         return SHEAR_OK;
-    CLEANUP(release_free) int64_t *extension = malloc((size_t)n * sizeof *extension);
-    if (extension == NULL)
-        return sf_fail_memory(err, t->cards.at);
-    TRY(open_table_extensions(t, extension, err));
-    for (int64_t i = 0; i < n; i++) {
-        if (extension[i] < 1 || extension[i] > OBJECT_TABLE_CHIPS) {
-            return sf_fail(err, SHEAR_E_FORMAT, t->cards.at, "leave the column out",
-                           "row %lld: %s is not a number of a chip, from 1 to %d", (long long)i + 1,
-                           extension_column(&t->table)->name, OBJECT_TABLE_CHIPS);
-        }
-        several = several || extension[i] != extension[0];
-        *last = extension[i] > *last ? extension[i] : *last;
+    for (int64_t first = 0; first < rows; first += CHUNK) {
+        const int64_t n = rows - first < CHUNK ? rows - first : CHUNK;
+        TRY(open_table_extensions(t, first, n, number, err));
+        for (int64_t i = 0; i < n; i++)
+            TRY(add_extension(&found, t, first + i, number[i], err));
     }
-    *last = several ? *last : 0;
+    *last = found.low < found.high ? found.high : 0;
     return SHEAR_OK;
 }
 

@@ -16,8 +16,9 @@
 #include "shear/input.h"
 
 enum {
-    OBJECT_TABLE_ROWS = 4000000, /* at most */
-    OBJECT_TABLE_CHIPS = 1000    /* in one table, at most */
+    OBJECT_TABLE_ROWS = 400000000, /* at most */
+    OBJECT_TEXT_ROWS = 4000000,    /* the same of a text */
+    OBJECT_TABLE_CHIPS = 1000      /* in one table, at most */
 };
 
 typedef struct object_table {
@@ -51,5 +52,6 @@ typedef struct open_table {
 int open_table_init(open_table *t, const sf_file *file, const object_table *object,
                     const source_names *names, shear_error *err);
 void open_table_deinit(open_table *t);
-/* Read the number of each row's chip: [rows]. Call it only if object->extension is not 0. */
-int open_table_extensions(const open_table *t, int64_t *out, shear_error *err);
+/* Read the number of the chip of n rows. Call it only if object->extension is not 0. */
+int open_table_extensions(const open_table *t, int64_t first, int64_t n, int64_t *out,
+                          shear_error *err);

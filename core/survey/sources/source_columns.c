@@ -194,11 +194,10 @@ static int find_factor(const source_columns *c, enum source_key key, double *fac
 
 int source_columns_read(const source_columns *c, enum source_key key, double *out,
                         shear_error *err) {
-    const int64_t n = c->table->cards->hdu->axes[1];
     double factor = 1.0;
     TRY(find_factor(c, key, &factor, err));
-    TRY(sf_table_doubles(c->table, c->by[key], 0, n, out, err));
-    for (int64_t i = 0; i < n && factor != 1.0; i++)
+    TRY(sf_table_doubles(c->table, c->by[key], c->first, c->n, out, err));
+    for (int64_t i = 0; i < c->n && factor != 1.0; i++)
         out[i] *= factor;
     return SHEAR_OK;
 }

@@ -34,6 +34,7 @@ int source_names_parse(source_names *names, const char *text, shear_error *err);
 typedef struct source_columns {
     const sf_table *table;
     const sf_column *by[SOURCE_KEYS]; /* NULL = there is none */
+    int64_t first, n;                 /* the rows that are read */
 } source_columns;
 
 /* Find the columns. If ra and dec are chosen, but not x and y, there are no x and y.
@@ -46,7 +47,7 @@ bool source_columns_is(const source_columns *c, enum source_key key, const char 
 /* Return the column of that name if it holds one number per row, else NULL. */
 const sf_column *source_columns_number(const sf_table *t, const char *name);
 
-/* Read all rows of a column; angles (ra, dec, theta) are converted to degrees from the unit that
- * TUNITn says. SHEAR_E_FORMAT: the unit is no angle's; and those of sf_table_doubles. */
+/* Read rows of a column, out[c->n]; angles (ra, dec, theta) are converted to degrees from the unit
+ * that TUNITn says. SHEAR_E_FORMAT: the unit is no angle's; and those of sf_table_doubles. */
 int source_columns_read(const source_columns *c, enum source_key key, double *out,
                         shear_error *err);

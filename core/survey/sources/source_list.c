@@ -3,11 +3,9 @@
 
 #include "base/arena.h"
 #include "base/cleanup.h"
-#include "fits/select/expression.h"
-#include "fits/select/row_filter.h"
 #include "survey/sources/catalog_file.h"
 #include "survey/sources/isophote.h"
-#include "survey/sources/object_tables.h"
+#include "survey/sources/row_choice.h"
 #include "survey/sources/source_columns.h"
 
 #include <math.h>
@@ -19,7 +17,9 @@ struct source_catalog {
     object_tables objects;
     int origin;
     char *select; /* or NULL */
+    row_choice choice;
 };
+enum { MOST_SOURCES = 4000000 }; /* of a chip */
 
 /* ---- the file ---- */
 
@@ -28,6 +28,7 @@ void source_catalog_close(source_catalog *c) {
         return;
     object_tables_deinit(&c->objects);
     sf_file_close(&c->file);
+    row_choice_deinit(&c->choice);
     free(c->select);
     free(c);
 }
@@ -155,20 +156,19 @@ static int read_positions(source_list *s, const source_columns *c, int origin, s
 
 static int read_ids(source_list *s, const source_columns *c, shear_error *err) {
     for (int64_t i = 0; i < s->n; i++) {
-        s->row[i] = i;
-        s->id[i] = i + 1;
+        s->row[i] = c->first + i;
+        s->id[i] = c->first + i + 1;
     }
     return c->by[SOURCE_ID] == NULL
                ? SHEAR_OK
-               : sf_table_integers(c->table, c->by[SOURCE_ID], 0, s->n, -1, s->id, err);
+               : sf_table_integers(c->table, c->by[SOURCE_ID], c->first, s->n, -1, s->id, err);
 }
 
 static int read_sizes(source_list *s, const source_columns *c, shear_error *err) {
     TRY(read_if(c, SOURCE_WEIGHT, s->weight, err));
     TRY(s->a != NULL ? isophote_read(c, s->a, s->b, s->theta, err) : SHEAR_OK);
     TRY(read_if(c, SOURCE_R_GAL, s->r_gal, err));
-    s->r_gal_measured = source_columns_is(c, SOURCE_R_GAL, "FLUX_RADIUS");
-    const double factor = s->r_gal_measured ? 2.0 : 1.0;
+    const double factor = source_columns_is(c, SOURCE_R_GAL, "FLUX_RADIUS") ? 2.0 : 1.0;
     for (int64_t i = 0; i < s->n && s->r_gal != NULL; i++) {
         const double r = factor * s->r_gal[i];
         s->r_gal[i] = r > 0.0 && isfinite(r) ? r : NAN;
@@ -176,96 +176,107 @@ static int read_sizes(source_list *s, const source_columns *c, shear_error *err)
     return SHEAR_OK;
 }
 
-static int read_context(source_list *s, const source_columns *c, int k, const char *name,
-                        double *scratch, shear_error *err) {
-    const sf_column *column = NULL;
-    TRY(sf_table_find_number(c->table, name, &column, err));
-    if (column == NULL) {
-        char advice[sizeof((shear_error *)0)->advice];
-        sf_table_advise(c->table, name, advice, sizeof advice);
-        return sf_fail(err, SHEAR_E_FORMAT, c->table->cards->at, advice,
-                       "there is no column %.70s, on which the PSF model depends", name);
-    }
-    TRY(sf_table_doubles(c->table, column, 0, s->n, scratch, err));
-    for (int64_t i = 0; i < s->n; i++)
-        s->context[i * s->n_contexts + k] = scratch[i];
-    return SHEAR_OK;
+static int find_context(const source_columns *c, const char *name, const sf_column **column,
+                        shear_error *err) {
+    TRY(sf_table_find_number(c->table, name, column, err));
+    if (*column != NULL)
+        return SHEAR_OK;
+    char advice[sizeof((shear_error *)0)->advice];
+    sf_table_advise(c->table, name, advice, sizeof advice);
+    return sf_fail(err, SHEAR_E_FORMAT, c->table->cards->at, advice,
+                   "there is no column %.70s, on which the PSF model depends", name);
 }
 
 static int read_contexts(source_list *s, const source_columns *c, const char *const *names,
                          shear_error *err) {
+    const sf_column *column = NULL;
     CLEANUP(release_free) double *scratch = malloc((size_t)(s->n + 1) * sizeof *scratch);
     if (scratch == NULL)
         return sf_fail_memory(err, c->table->cards->at);
+    for (int k = 0; k < s->n_contexts; k++) {
+        TRY(find_context(c, names[k], &column, err));
+        TRY(sf_table_doubles(c->table, column, c->first, s->n, scratch, err));
+        for (int64_t i = 0; i < s->n; i++)
+            s->context[i * s->n_contexts + k] = scratch[i];
+    }
+    return SHEAR_OK;
+}
+
+/* Read the rows of `c`, of which there are s->n. */
+static int read_rows(source_list *s, const source_columns *c, int origin,
+                     const char *const *contexts, shear_error *err) {
+    TRY(read_positions(s, c, origin, err));
+    TRY(read_ids(s, c, err));
+    TRY(read_sizes(s, c, err));
+    return read_contexts(s, c, contexts, err);
+}
+
+/* Append row `i` of a part. */
+static void append(source_list *s, const source_list *part, int64_t i, bool selected) {
+    double *const to[] = {s->x, s->y, s->ra, s->dec, s->r_gal, s->weight, s->a, s->b, s->theta};
+    double *const from[] = {part->x,      part->y, part->ra, part->dec,  part->r_gal,
+                            part->weight, part->a, part->b,  part->theta};
+    for (size_t k = 0; k < sizeof to / sizeof *to; k++) {
+        if (to[k] != NULL)
+            to[k][s->n] = from[k][i];
+    }
     for (int k = 0; k < s->n_contexts; k++)
-        TRY(read_context(s, c, k, names[k], scratch, err));
-    return SHEAR_OK;
+        s->context[s->n * s->n_contexts + k] = part->context[i * s->n_contexts + k];
+    s->id[s->n] = part->id[i];
+    s->row[s->n] = part->row[i];
+    s->selected[s->n++] = selected;
 }
 
-/* Select by the expression, and by FLAGS unless the expression does. Until the end `id` is not
- * needed: its memory holds the flags. */
-static int select_rows(source_list *s, const source_columns *c, const char *expression,
-                       shear_error *err) {
-    const sf_column *flags = c->by[SOURCE_FLAGS];
-    memset(s->selected, 1, (size_t)s->n);
-    if (expression != NULL)
-        TRY(sf_row_filter(c->table, expression, s->selected, err));
-    if (flags == NULL || (expression != NULL && sf_expression_names(expression, flags->name)))
-        return SHEAR_OK;
-    TRY(sf_table_integers(c->table, flags, 0, s->n, -1, s->id, err));
-    for (int64_t i = 0; i < s->n; i++) {
-        if (s->id[i] < 0 || s->id[i] >= 4)
-            s->selected[i] = 0;
-    }
-    return SHEAR_OK;
-}
-
-void source_list_keep(source_list *s, const int64_t *key, int64_t wanted) {
-    double *const columns[] = {s->x,      s->y, s->ra, s->dec,  s->r_gal,
-                               s->weight, s->a, s->b,  s->theta};
-    const int per_row = s->n_contexts;
-    int64_t n = 0;
-    for (int64_t i = 0; i < s->n; i++) {
-        if (key[i] != wanted)
+/* Append the rows that are kept, chunk by chunk. */
+static int append_kept(source_list *s, source_list *part, source_catalog *c, open_table *t,
+                       const char *const *contexts, shear_error *err) {
+    const int64_t rows = t->cards.hdu->axes[1];
+    for (int64_t first = 0; first < rows; first += ROW_CHUNK) {
+        const uint8_t *marks = c->choice.marks + first;
+        part->n = rows - first < ROW_CHUNK ? rows - first : ROW_CHUNK;
+        if (!row_choice_any(&c->choice, first, part->n))
             continue;
-        for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
-            if (columns[k] != NULL)
-                columns[k][n] = columns[k][i];
+        t->columns.first = first;
+        t->columns.n = part->n;
+        TRY(read_rows(part, &t->columns, c->origin, contexts, err));
+        for (int64_t i = 0; i < part->n; i++) {
+            if ((marks[i] & ROW_KEPT) != 0)
+                append(s, part, i, (marks[i] & ROW_SELECTED) != 0);
         }
-        for (int k = 0; k < per_row; k++)
-            s->context[n * per_row + k] = s->context[i * per_row + k];
-        s->id[n] = s->id[i];
-        s->row[n] = s->row[i];
-        s->selected[n] = s->selected[i];
-        n++;
     }
-    s->n = n;
+    return SHEAR_OK;
 }
 
-static int choose_chip(source_list *s, const open_table *t, int64_t wanted, shear_error *err) {
-    if (wanted == 0)
-        return SHEAR_OK;
-    CLEANUP(release_free) int64_t *extension = calloc((size_t)s->n + 1, sizeof *extension);
-    if (extension == NULL)
-        return sf_fail_memory(err, t->cards.at);
-    TRY(open_table_extensions(t, extension, err));
-    source_list_keep(s, extension, wanted);
-    return SHEAR_OK;
+static int check_kept(const row_choice *r, const open_table *t, shear_error *err) {
+    return r->kept <= MOST_SOURCES
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, t->cards.at,
+                         "cut the catalog to the image (fitscopy 'CATALOG[1][RA > 149 && RA < "
+                         "151]' CUT.fits, of CFITSIO), or give a table for each chip",
+                         "%lld of its rows are of one chip, more than %d", (long long)r->kept,
+                         MOST_SOURCES);
 }
 
 int source_catalog_load(source_catalog *c, int i, const char *const *contexts, int n_contexts,
-                        source_list *out, shear_error *err) {
+                        source_cap *cap, source_list *out, shear_error *err) {
     CLEANUP(open_table_deinit) open_table t = {0};
+    CLEANUP(source_list_deinit) source_list part = {.n = ROW_CHUNK, .n_contexts = n_contexts};
+    const sf_column *context = NULL;
     *out = (source_list){.n_contexts = n_contexts};
     TRY(open_catalog_table(c, i, &t, err));
-    out->n = t.cards.hdu->axes[1];
+    for (int k = 0; k < n_contexts; k++)
+        TRY(find_context(&t.columns, contexts[k], &context, err));
+    TRY(row_choice_select(&c->choice, &t, c->select, err));
+    TRY(row_choice_keep(&c->choice, &t, c->objects.tables[i].extension, cap, err));
+    TRY(check_kept(&c->choice, &t, err));
+    out->rows = c->choice.rows;
+    out->rows_selected = c->choice.selected;
+    out->r_gal_measured = source_columns_is(&t.columns, SOURCE_R_GAL, "FLUX_RADIUS");
+    out->n = c->choice.kept;
     TRY(allocate(out, &t.columns, err));
-    TRY(select_rows(out, &t.columns, c->select, err));
-    TRY(read_positions(out, &t.columns, c->origin, err));
-    TRY(read_ids(out, &t.columns, err));
-    TRY(read_sizes(out, &t.columns, err));
-    TRY(read_contexts(out, &t.columns, contexts, err));
-    return choose_chip(out, &t, c->objects.tables[i].extension, err);
+    out->n = 0;
+    TRY(allocate(&part, &t.columns, err));
+    return append_kept(out, &part, c, &t, contexts, err);
 }
 
 void source_list_deinit(source_list *s) {

@@ -7,6 +7,7 @@
 
 #include "fits/carry/carry_rows.h"
 #include "shear/input.h"
+#include "survey/sources/source_cap.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -37,9 +38,10 @@ int source_catalog_carry(source_catalog *c, const char *names, carry_list *l, sh
 int source_catalog_carried(source_catalog *c, int i, const carry_list *l, carry_rows *r,
                            shear_error *err);
 
-/* Arrays of [n]; undefined numbers are NaN. */
+/* Arrays of [n] sources that are loaded; undefined numbers are NaN. */
 typedef struct source_list {
     int64_t n;
+    int64_t rows, rows_selected; /* of the table, loaded or not */
     double *x, *y;    /* pixels, the centre of the first pixel is (1, 1); NULL: no such columns */
     double *ra, *dec; /* degrees; NULL: no such columns */
     int64_t *id;      /* NUMBER or ID, else the row's number from 1 */
@@ -55,11 +57,10 @@ typedef struct source_list {
     void *memory;      /* of all arrays; owned */
 } source_list;
 
-/* Load table `i`. `contexts` are the names of further columns that a PSF model depends on.
+/* Load the rows of table `i` that are in the cap (NULL, or no RA and Dec: all), at most 4,000,000.
+ * `contexts` are the names of further columns that a PSF model depends on.
  * SHEAR_E_FORMAT: damaged, or a context has no column. Call source_list_deinit after an error, too.
  */
 int source_catalog_load(source_catalog *c, int i, const char *const *contexts, int n_contexts,
-                        source_list *out, shear_error *err);
-/* Keep the rows whose key, of key[n], is the wanted one. */
-void source_list_keep(source_list *s, const int64_t *key, int64_t wanted);
+                        source_cap *cap, source_list *out, shear_error *err);
 void source_list_deinit(source_list *s);
