@@ -89,9 +89,10 @@ static const char *parse_number(const char *text, int min, int max, int *number)
 static int set_grid(shear_amplifiers *member, int i, const char *text, shear_error *err) {
     shear_amplifiers grid;
     const char *rest = parse_number(text, options[i].min, options[i].max, &grid.columns);
-    if (rest != NULL)
+    if (rest != NULL) {
         rest = rest[0] == 'x' ? parse_number(rest + 1, options[i].min, options[i].max, &grid.rows)
                               : NULL;
+    }
     if (rest == NULL || rest[0] != '\0') {
         return shear_fail(err, SHEAR_E_SETTING, NULL,
                           "%s is '%s', but must be COLUMNSxROWS, each %d to %d", options[i].name,

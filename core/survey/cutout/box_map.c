@@ -67,9 +67,10 @@ static void close_row(const box_map *m, uint8_t *closed) {
 }
 
 void box_map_silence(box_map *m, int row, int column, int n) {
-    for (int i = 0; i < n * n; i++)
+    for (int i = 0; i < n * n; i++) {
         m->cells[(size_t)(row + i / n) * (size_t)m->columns + (size_t)(column + i % n)] |=
             BOX_QUIET;
+    }
 }
 
 /* Touch the cells around a quiet one: a patch ends somewhere in the next block. */
