@@ -4,6 +4,7 @@
 #include "base/simd.h"
 
 #include <stddef.h>
+#include <string.h>
 
 enum { LEAST_PERCENT = 30 };
 
@@ -40,68 +41,91 @@ SHEAR_SIMD void plane_subtract(const plane *p, int x, int y, const double *restr
         out[i] = row[i] - (start + slope * i);
 }
 
-/* Sums in lanes, which are vectors on any machine and the same to the last bit. */
+/* Sums in lanes: vectors of the compilers' own, lowered to what the machine has, and the same to
+ * the last bit on all. (Loops over the lanes of an array become no vectors here.) */
 enum { LANES = 8 };
+typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
+typedef int64_t lane_masks __attribute__((vector_size(LANES * sizeof(int64_t))));
+typedef uint8_t lane_bytes __attribute__((vector_size(LANES)));
 typedef struct lane_sums {
-    double n[LANES], x[LANES], y[LANES], xx[LANES], xy[LANES], yy[LANES];
-    double v[LANES], xv[LANES], yv[LANES];
+    lanes n, x, y, xx, xy, yy, v, xv, yv;
 } lane_sums;
 
-/* Add `n` pixels from column x of row y, at most LANES. */
+/* Add LANES pixels from column x of row y. */
 static SHEAR_INLINE void add_lanes(lane_sums *s, const double *row, const uint8_t *away, int x,
-                                   int y, int n) {
-#pragma omp simd
-    for (int l = 0; l < n; l++) {
-        const double w = away[x + l] == 0 ? 1.0 : 0.0;
-        const double v = away[x + l] == 0 ? row[x + l] : 0.0; /* which may be NaN */
-        const double wx = w * (x + l);
-        s->n[l] += w;
-        s->x[l] += wx;
-        s->y[l] += w * y;
-        s->xx[l] += wx * (x + l);
-        s->xy[l] += wx * y;
-        s->yy[l] += w * y * y;
-        s->v[l] += v;
-        s->xv[l] += v * (x + l);
-        s->yv[l] += v * y;
-    }
+                                   int y) {
+    static const lanes column = {0, 1, 2, 3, 4, 5, 6, 7};
+    static const lanes one = {1, 1, 1, 1, 1, 1, 1, 1};
+    lane_bytes bytes;
+    lane_masks pixels;
+    memcpy(&bytes, away, sizeof bytes);
+    memcpy(&pixels, row, sizeof pixels);
+    const lane_masks used = __builtin_convertvector(bytes == 0, lane_masks);
+    const lanes v = (lanes)(pixels & used); /* without NaN */
+    const lanes w = (lanes)((lane_masks)one & used);
+    const lanes at = column + (double)x;
+    const lanes wx = w * at;
+    s->n += w;
+    s->x += wx;
+    s->y += w * (double)y;
+    s->xx += wx * at;
+    s->xy += wx * (double)y;
+    s->yy += w * (double)y * (double)y;
+    s->v += v;
+    s->xv += v * at;
+    s->yv += v * (double)y;
 }
 
-SHEAR_SIMD static void add_row(lane_sums *s, const double *row, const uint8_t *away, int y, int x,
-                               int end) {
+/* Add the pixels of columns x .. end-1. */
+static SHEAR_INLINE void add_row(lane_sums *s, const double *row, const uint8_t *away, int y, int x,
+                                 int end) {
     for (; x + LANES <= end; x += LANES)
-        add_lanes(s, row, away, x, y, LANES);
-    add_lanes(s, row, away, x, y, end - x);
-}
-
-static plane_sums joined(const lane_sums *s) {
-    plane_sums sums = {0};
-    for (int l = 0; l < LANES; l++) {
-        sums.n += s->n[l];
-        sums.x += s->x[l];
-        sums.y += s->y[l];
-        sums.xx += s->xx[l];
-        sums.xy += s->xy[l];
-        sums.yy += s->yy[l];
-        sums.v += s->v[l];
-        sums.xv += s->xv[l];
-        sums.yv += s->yv[l];
+        add_lanes(s, row + x, away + x, x, y);
+    if (x < end) {
+        double rest[LANES] = {0.0};
+        uint8_t marks[LANES];
+        memset(marks, 1, sizeof marks);
+        memcpy(rest, row + x, (size_t)(end - x) * sizeof *rest);
+        memcpy(marks, away + x, (size_t)(end - x));
+        add_lanes(s, rest, marks, x, y);
     }
-    return sums;
 }
 
-bool plane_of_frame(plane *p, const double *value, const uint8_t *away, int side, int frame) {
+static double sum_of(const lanes *v) {
+    double sum = 0.0;
+    for (int l = 0; l < LANES; l++)
+        sum += (*v)[l];
+    return sum;
+}
+
+/* Add up the frame. */
+SHEAR_SIMD static void add_frame(plane_sums *sums, const double *value, const uint8_t *away,
+                                 int side, int frame) {
     const int inside = side - 2 * frame;
-    lane_sums lanes = {0};
+    lane_sums s = {0};
     for (int y = 0; y < side; y++) {
         const double *row = value + (ptrdiff_t)y * side;
         const uint8_t *a = away + (ptrdiff_t)y * side;
         const bool across = y < frame || y >= frame + inside;
-        add_row(&lanes, row, a, y, 0, across ? side : frame);
+        add_row(&s, row, a, y, 0, across ? side : frame);
         if (!across)
-            add_row(&lanes, row, a, y, frame + inside, side);
+            add_row(&s, row, a, y, frame + inside, side);
     }
-    const plane_sums sums = joined(&lanes);
+    *sums = (plane_sums){.n = sum_of(&s.n),
+                         .x = sum_of(&s.x),
+                         .y = sum_of(&s.y),
+                         .xx = sum_of(&s.xx),
+                         .xy = sum_of(&s.xy),
+                         .yy = sum_of(&s.yy),
+                         .v = sum_of(&s.v),
+                         .xv = sum_of(&s.xv),
+                         .yv = sum_of(&s.yv)};
+}
+
+bool plane_of_frame(plane *p, const double *value, const uint8_t *away, int side, int frame) {
+    const int inside = side - 2 * frame;
+    plane_sums sums;
+    add_frame(&sums, value, away, side, frame);
     return sums.n * 100.0 >= (double)(side * side - inside * inside) * LEAST_PERCENT &&
            plane_fit(&sums, p, NULL);
 }
