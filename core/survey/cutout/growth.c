@@ -33,19 +33,24 @@ void growth_add(growth *g, const uint8_t *row, int d, int radius) {
     marks_add(g->reach[w], row, width_of(g));
 }
 
-SHEAR_SIMD static void widen(uint8_t *restrict out, const uint8_t *row, size_t w, size_t n) {
-    const uint8_t *left = row + GROWTH_MOST - w;
-    const uint8_t *right = row + GROWTH_MOST + w;
-#pragma omp simd
-    for (size_t i = 0; i < n; i++)
-        out[i] |= left[i] | right[i];
+/* Return the union of the marks within w pixels of row[GROWTH_MOST]. */
+static SHEAR_INLINE uint8_t within(const uint8_t *row, int w) {
+    uint8_t any = row[GROWTH_MOST];
+    for (int d = 1; d <= w; d++)
+        any |= row[GROWTH_MOST - d] | row[GROWTH_MOST + d];
+    return any;
 }
 
-void growth_finish(growth *g, uint8_t *out) {
-    /* What is widened by w is also widened by everything less. */
-    for (int w = GROWTH_MOST; w > 0; w--)
-        marks_add(g->reach[w - 1], g->reach[w], width_of(g));
-    memcpy(out, g->reach[0] + GROWTH_MOST, (size_t)g->n);
-    for (int w = 1; w <= GROWTH_MOST; w++)
-        widen(out, g->reach[w], (size_t)w, (size_t)g->n);
+SHEAR_SIMD void growth_finish(const growth *g, uint8_t *restrict out) {
+    const uint8_t *const r0 = g->reach[0];
+    const uint8_t *const r1 = g->reach[1];
+    const uint8_t *const r2 = g->reach[2];
+    const uint8_t *const r3 = g->reach[3];
+    const uint8_t *const r4 = g->reach[GROWTH_MOST];
+    const int n = g->n;
+#pragma omp simd
+    for (int i = 0; i < n; i++) {
+        out[i] = within(r0 + i, 0) | within(r1 + i, 1) | within(r2 + i, 2) | within(r3 + i, 3) |
+                 within(r4 + i, GROWTH_MOST);
+    }
 }

@@ -25,4 +25,4 @@ void growth_begin(growth *g);
  * -GROWTH_MOST; radius <= GROWTH_MOST. A row that is farther adds nothing. */
 void growth_add(growth *g, const uint8_t *row, int d, int radius);
 /* Write the grown row, out[n]. */
-void growth_finish(growth *g, uint8_t *out);
+void growth_finish(const growth *g, uint8_t *restrict out);
