@@ -3,8 +3,8 @@
  * object that each belongs to; read in boxes, through a cache of bands of rows.
  *
  * Memory is bounded by the cache (192 MiB; of it 48 for a catalog in the order of rows), not by the
- * image. Pixels count from 0 here. A
- * chip_pixels is used by one thread at a time; those of one exposure may be used by several. */
+ * image. Pixels count from 0 here. A chip_pixels is used by one thread at a time; those of one
+ * exposure may be used by several. */
 #pragma once
 
 #include "survey/pixels/exposure_images.h"
