@@ -84,11 +84,9 @@ static void fail_astray(const sheard_chip_report *r, shear_error *words) {
 
 /* Return whether the PSF of a chip is too broad. */
 static bool has_broad_psf(const sheard_validation_report *v) {
-    char line[SHEARD_ADVICE_SIZE];
     bool broad = false;
     for (int i = 0; i < v->n_chips && !broad; i++) {
-        broad = sheard_advice_broad_psf_of(v->chips[i].n_bright, v->chips[i].n_sharp, &v->result,
-                                           v->plan, line, sizeof line) != NULL;
+        broad = sheard_psf_is_broad(v->chips[i].n_bright, v->chips[i].n_sharp, &v->result, v->plan);
     }
     return broad;
 }

@@ -43,7 +43,6 @@ static bool lacks_shear(const shear_result *r) {
 }
 
 bool sheard_cause_of(const shear_result *r, const shear_plan_info *plan, sheard_cause *cause) {
-    char line[SHEARD_ADVICE_SIZE];
     const bool looked_at = r->valid || lacks_shear(r);
     if (looked_at && fabs(sheard_advice_noise_left(r, plan)) > BIAS_BAD) {
         *cause = (sheard_cause){"the noise stamps hold no noise, and the galaxies do",
@@ -57,7 +56,7 @@ bool sheard_cause_of(const shear_result *r, const shear_plan_info *plan, sheard_
             "the stamps are too small for beta, or the PSF is not as wide (OVERSAMP forgotten?)",
             "cut stamps that are 10 beta wide at least; give the keyword OVERSAMP where the PSF "
             "has several samples per galaxy pixel"};
-    } else if (sheard_advice_broad_psf(r, plan, line, sizeof line) != NULL) {
+    } else if (sheard_psf_is_broad(r->n_bright, r->n_sharp, r, plan)) {
         *cause = (sheard_cause){
             "bright stamps are sharper than their PSF, as no galaxy is: the PSF is too broad",
             "give the PSF of this image, made from its stars; not from galaxies"};

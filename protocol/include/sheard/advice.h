@@ -70,7 +70,7 @@ sheard_advice sheard_advice_small_stamps;
  * galaxies they are found in. */
 sheard_advice sheard_advice_many_artefacts;
 
-/* More than 5 % of the bright stamps (and 5) are sharper than their PSF, or fewer, but in the same
+/* More than 2 % of the bright stamps (and 5) are sharper than their PSF, or fewer, but in the same
  * blocks (docs/method.md section 5.1): the PSF is too broad. Not where noise, aliases or small
  * stamps may have made them so. */
 sheard_advice sheard_advice_broad_psf;
@@ -78,6 +78,10 @@ sheard_advice sheard_advice_broad_psf;
  */
 const char *sheard_advice_broad_psf_of(int64_t bright, int64_t sharp, const shear_result *r,
                                        const shear_plan_info *plan, char *buf, size_t size);
+
+/* Return whether a part, a chip or all, has more than 5 %: the PSF is surely too broad. */
+bool sheard_psf_is_broad(int64_t bright, int64_t sharp, const shear_result *r,
+                         const shear_plan_info *plan);
 
 /* The light of galaxies is not where their positions are: they count from another pixel, or belong
  * to another image. */
