@@ -4,7 +4,7 @@
 
 #include "shear/sums.h"
 
-/* Fill terms[SHEAR_N_TERMS] from an unflagged row; those of triples are 0. Return false if a term is not finite, or so
- * large (1e280) that sums of terms, or products of such sums, could overflow: such a row cannot be
- * used. */
+/* Fill terms[SHEAR_N_TERMS] from an unflagged row; those of triples are 0. Return false if a term
+ * is not finite, or so large (1e280) that sums of terms, or products of such sums, could overflow:
+ * such a row cannot be used. */
 bool block_terms(const shear_row *row, double *terms);
