@@ -3,6 +3,7 @@
 
 #include "base/arena.h"
 #include "base/cleanup.h"
+#include "base/sort.h"
 #include "shear/stamp.h"
 #include "survey/cutout/light.h"
 
@@ -152,17 +153,45 @@ void chip_stamps_size_shapes(chip_stamps *s, double r_psf_px) {
     }
 }
 
+bool chip_stamps_quantile(const chip_stamps *s, double part, double *r_gal) {
+    *r_gal = NAN;
+    if (s->r_gal == NULL)
+        return true;
+    CLEANUP(release_free) double *r = malloc((size_t)(s->n + 1) * sizeof *r);
+    size_t n = 0;
+    for (int64_t i = 0; r != NULL && i < s->n; i++) {
+        if (s->r_gal[i] > 0.0)
+            r[n++] = s->r_gal[i];
+    }
+    if (n > 0) {
+        sort_doubles(r, n);
+        *r_gal = r[(size_t)(part * (double)n)];
+    }
+    return r != NULL;
+}
+
+double chip_stamps_light(const chip_stamps *s, int64_t i) {
+    return !isnan(s->r_light) ? s->r_light : s->r_gal != NULL ? s->r_gal[i] : NAN;
+}
+
+static int out_of_memory(shear_error *err) {
+    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the sources of a chip");
+}
+
 int chip_stamps_init(chip_stamps *s, const chip_inputs *in, shear_error *err) {
     CLEANUP(places_deinit) places p;
     *s = (chip_stamps){0};
     if (!places_init(&p, in) || !allocate(s, in, count_wanted(in, &p)))
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the sources of a chip");
+        return out_of_memory(err);
     for (int64_t i = 0; i < in->sources->n; i++) {
         s->n_sources += is_inside(in, p.x[i], p.y[i]);
         if (is_wanted(in, &p, i))
             add_stamp(s, in, &p, i);
     }
     s->r_gal_measured = in->sources->r_gal_measured;
+    s->r_light = NAN;
+    if (s->r_gal_measured && !chip_stamps_quantile(s, 0.5, &s->r_light))
+        return out_of_memory(err);
     add_shapes(s, in->sources, &p);
     return SHEAR_OK;
 }

@@ -20,6 +20,7 @@ typedef struct chip_stamps {
     double *weight;   /* NULL if the catalog has none, like r_gal */
     double *r_gal;
     bool r_gal_measured;   /* 2 FLUX_RADIUS, the PSF included */
+    double r_light;        /* their median then, else NaN: chip_stamps_light() */
     double (*jacobian)[4]; /* NaN without a sky map */
     double *psf_terms;     /* [n][terms] */
     uint32_t *flags;       /* enum shear_flag: no place, no PSF there */
@@ -46,4 +47,11 @@ typedef struct chip_inputs {
 int chip_stamps_init(chip_stamps *s, const chip_inputs *in, shear_error *err);
 /* Give the sources without an ellipse a circle that holds the light of a galaxy of r_gal. */
 void chip_stamps_size_shapes(chip_stamps *s, double r_psf_px);
+/* Return the r_gal by which galaxy i's light is held off bad pixels and neighbours: its own if the
+ * catalog gives R_GAL itself. FLUX_RADIUS grows with the ellipticity, and with it the chance to be
+ * left out, which would make the shear of those that are kept too small: there it is one for all.
+ */
+double chip_stamps_light(const chip_stamps *s, int64_t i);
+/* Find the r_gal below which this part of the galaxies is; NaN: unknown. False: out of memory. */
+bool chip_stamps_quantile(const chip_stamps *s, double part, double *r_gal);
 void chip_stamps_deinit(chip_stamps *s);

@@ -3,7 +3,6 @@
 #include "shear/chip.h"
 
 #include "base/cleanup.h"
-#include "base/sort.h"
 #include "survey/cutout/mesh_relation.h"
 #include "survey/internal.h"
 #include "survey/second_moments.h"
@@ -52,18 +51,10 @@ static double *psf_image(const exposure *e, const exposure_chip *chip, int64_t i
 
 /* Return the lower quartile of FLUX_RADIUS, which is half of r_gal. */
 static double source_quartile(const chip_stamps *s) {
-    CLEANUP(release_free)
-    double *size =
-        s->r_gal != NULL && s->r_gal_measured ? malloc((size_t)(s->n + 1) * sizeof *size) : NULL;
-    size_t n = 0;
-    for (int64_t i = 0; size != NULL && i < s->n; i++) {
-        if (s->r_gal[i] > 0.0)
-            size[n++] = 0.5 * s->r_gal[i];
-    }
-    if (n == 0)
-        return NAN;
-    sort_doubles(size, n);
-    return size[n / 4];
+    double r_gal = NAN;
+    if (s->r_gal_measured)
+        (void)chip_stamps_quantile(s, 0.25, &r_gal);
+    return 0.5 * r_gal;
 }
 
 int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shear_error *err) {

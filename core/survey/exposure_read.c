@@ -111,10 +111,8 @@ int exposure_read_columns(shear_field *field, int64_t first, int count, shear_bl
 
 int exposure_cut(exposure *e, int chip, int64_t i, cutter_pair *pair, shear_error *err) {
     const chip_stamps *s = &e->chips[chip].stamps;
-    const cutter_source source = {.x = s->x[i] - 1.0,
-                                  .y = s->y[i] - 1.0,
-                                  .r_gal = s->r_gal != NULL ? s->r_gal[i] : NAN,
-                                  .id = s->id[i]};
+    const cutter_source source = {
+        .x = s->x[i] - 1.0, .y = s->y[i] - 1.0, .r_gal = chip_stamps_light(s, i), .id = s->id[i]};
     TRY(exposure_hold(e, chip, err));
     return cutter_cut(e->held.cutter, &source, pair, err);
 }

@@ -80,6 +80,22 @@ class Flags(Changed):
             self.assertFlagged(result, **{name: {middle}})
             self.assertEqual(result[0]["flags"]["galaxy_not_finite"], 0)
 
+    def test_one_size_for_all(self):
+        """A bad pixel's distance decides, not a galaxy's own FLUX_RADIUS, which grows with its ellipticity."""
+        small, large = self.used[:2]
+        for number, away in ((small, 11), (large, 16)):
+            chip, x, y = self.place(number)
+            chip.fill(x + away, y, float("nan"))
+        self.rewrite()
+        for name, factor, holes in (("FLUX_RADIUS", 1.0, {small}), ("R_GAL", 2.0, {large})):
+            chips = []
+            for c in (1, 2):
+                objects = self.objects(c)
+                sizes = [factor * {small: 2.0, large: 8.0}.get(n, 4.0) for n in objects[0][2]]
+                chips.append((self.sky[c - 1], [*objects, (name, "D", sizes)]))
+            result = self.measure(*self.options(sources=write(self.path("sizes.ldac"), ldac(chips))))
+            self.assertFlagged(result, hole=holes)
+
     def test_edges(self):
         near = [(901, 20.0, 300.0), (902, 300.0, 20.0), (903, 681.0, 300.0), (904, 300.0, 681.0)]
         result = self.measure(*self.options(sources=self.ldac(*near)))
