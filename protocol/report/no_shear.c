@@ -27,9 +27,10 @@ static const reason reasons[] = {
                        "exchange galaxy and noise stamps, or correct what makes the noise stamps "
                        "brighter than the galaxies"},
     [SHEAR_TOO_NARROW] =
-        {"too_narrow", "the galaxies look narrower than the PSF: OVERSAMP forgotten?",
-         "give the keyword OVERSAMP where the PSF has several samples per galaxy "
-         "pixel; else see that the PSF is that of these galaxies, and the stamps are 10 beta wide"},
+        {"too_narrow", "the galaxies look narrower than the PSF: is it that of this image?",
+         "give the PSF of this image, made from its stars, and leave stars out; where the PSF has "
+         "several samples per galaxy pixel, the keyword OVERSAMP; and stamps that are 10 beta "
+         "wide"},
     [SHEAR_NO_SYMMETRY] = {"no_symmetry", "the stamps' symmetry has no solution",
                            "16 stamps are needed at least; or use --estimator mean"},
     [SHEAR_NO_FRAME] = {"mixed_frames", "its stamps were measured along different axes",
