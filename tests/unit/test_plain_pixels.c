@@ -119,7 +119,7 @@ static void blanks(void **state) {
     static const struct {
         int bitpix;
         long blank;
-    } cases[] = {{8, 255}, {16, -32768}, {16, 77}, {32, INT32_MIN}, {64, INT64_MIN + 1}, {64, 12}};
+    } cases[] = {{8, 255}, {16, -32768}, {16, 77}, {32, INT32_MIN}, {64, INT64_MIN}, {64, 12}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         for (int scaled = 0; scaled < 2; scaled++) {
             fixture_image image = image_of(cases[i].bitpix);

@@ -57,14 +57,16 @@ bool sf_card_int(const char card[SF_CARD], int64_t *out) {
     if (i < SF_CARD && (card[i] == '-' || card[i] == '+'))
         i++;
     int digits = 0;
-    int64_t value = 0;
+    int64_t value = 0; /* below zero, where there is one number more */
     for (; i < SF_CARD && card[i] >= '0' && card[i] <= '9'; i++, digits++) {
         if (__builtin_mul_overflow(value, 10, &value) ||
-            __builtin_add_overflow(value, card[i] - '0', &value)) {
+            __builtin_sub_overflow(value, card[i] - '0', &value)) {
             return false;
         }
     }
-    *out = negative ? -value : value;
+    if (!negative && value == INT64_MIN)
+        return false;
+    *out = negative ? value : -value;
     return digits > 0 && value_ends(card, i);
 }
 

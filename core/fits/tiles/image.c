@@ -35,6 +35,13 @@ static int set_tiled(sf_image *image, shear_error *err) {
     return sf_tiles_init(&image->tiles, &image->table, &image->tiling, err);
 }
 
+static int set_blank(sf_plain *p, const sf_cards *cards, shear_error *err) {
+    const char *card = NULL;
+    TRY(sf_cards_find(cards, "BLANK", &card, err));
+    p->has_blank = card != NULL;
+    return sf_key_int(cards, "BLANK", INT64_MIN, INT64_MAX, &p->blank, err);
+}
+
 static int set_plain(sf_image *image, double scale, double zero, shear_error *err) {
     const sf_hdu *hdu = image->cards.hdu;
     sf_plain *p = &image->plain;
@@ -43,12 +50,9 @@ static int set_plain(sf_image *image, double scale, double zero, shear_error *er
                     .bitpix = image->bitpix,
                     .scale = scale,
                     .zero = zero,
-                    .blank = SF_ABSENT,
                     .at = image->cards.at};
     memcpy(p->axes, image->axes, sizeof p->axes);
-    return image->bitpix < 0
-               ? SHEAR_OK
-               : sf_key_int(&image->cards, "BLANK", INT64_MIN, INT64_MAX, &p->blank, err);
+    return image->bitpix < 0 ? SHEAR_OK : set_blank(p, &image->cards, err);
 }
 
 static int show_tiled(sf_image *image, double scale, double zero, shear_error *err) {

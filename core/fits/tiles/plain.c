@@ -46,12 +46,13 @@ SHEAR_SIMD static void of_double(double *restrict out, const uint64_t *restrict 
 
 /* Integers of 64 bits: some have no double of their own, so that BLANK is found here, and the usual
  * BZERO of unsigned ones is added here. */
-static void of_int64(double *out, const uint64_t *in, size_t n, int64_t blank, bool is_unsigned) {
+static void of_int64(const sf_plain *p, double *out, const uint64_t *in, size_t n,
+                     bool is_unsigned) {
     for (size_t i = 0; i < n; i++) {
         const uint64_t bits = __builtin_bswap64(in[i]);
         const uint64_t turned = bits ^ (UINT64_C(1) << 63);
         const double value = is_unsigned ? (double)turned : (double)(int64_t)bits;
-        out[i] = blank != SF_ABSENT && (int64_t)bits == blank ? (double)NAN : value;
+        out[i] = p->has_blank && (int64_t)bits == p->blank ? (double)NAN : value;
     }
 }
 
@@ -81,7 +82,7 @@ static void convert(const sf_plain *p, const void *raw, size_t n, double *out) {
         of_int32(out, raw, n);
         break;
     case 64:
-        of_int64(out, raw, n, p->blank, is_unsigned);
+        of_int64(p, out, raw, n, is_unsigned);
         break;
     case -32:
         of_float(out, raw, n);
@@ -89,7 +90,7 @@ static void convert(const sf_plain *p, const void *raw, size_t n, double *out) {
     default:
         of_double(out, raw, n);
     }
-    if (p->blank != SF_ABSENT && p->bitpix > 0 && p->bitpix < 64)
+    if (p->has_blank && p->bitpix < 64)
         forget(out, n, (double)p->blank);
     if (!is_unsigned && (p->scale != 1.0 || p->zero != 0.0))
         apply_scale(out, n, p->scale, p->zero);

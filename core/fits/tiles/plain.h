@@ -11,7 +11,8 @@ typedef struct sf_plain {
     int64_t axes[SF_AXES];
     int bitpix;
     double scale, zero; /* BSCALE, BZERO */
-    int64_t blank;      /* BLANK of integers; SF_ABSENT: none */
+    bool has_blank;     /* BLANK, of integers only */
+    int64_t blank;
     sf_place at;
 } sf_plain;
 
