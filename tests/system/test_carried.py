@@ -78,6 +78,29 @@ class Fields(ToolTest):
         path = write(self.path("one.fits"), Field(n=N).content() + any_table("CATALOG", COLUMNS[5:6]))
         self.assertEqual(self.result(path)["NAME"], self.given["NAME"])
 
+    def test_names_that_are_alike(self):
+        """The first of them counts, even where it cannot be carried itself."""
+        columns = [("BIG", "65A", {}, lambda i: 65 * b"x"), ("big", "J", {}, lambda i: struct.pack(">i", i)), COLUMNS[5]]
+        path = write(self.path("alike.fits"), Field(n=N).content() + any_table("CATALOG", columns))
+        result = self.result(path)
+        self.assertEqual(result["NAME"], self.given["NAME"])
+        self.assertNotIn("big", result)
+
+    def test_extreme_numbers_of_keywords(self):
+        columns = [("LEAST", "K", {"TNULL": -2 ** 63}, lambda i: struct.pack(">q", i - 2 ** 63)),
+                   ("LOW", "K", {"TZERO": -2 ** 63}, lambda i: struct.pack(">q", i)),
+                   ("ODD", "K", {"TZERO": 2 ** 63 - 1}, lambda i: struct.pack(">q", -i)),
+                   ("HUGE", "D", {"TSCAL": 1e-300, "TZERO": -1e300}, lambda i: struct.pack(">d", i)),
+                   ("TINY", "E", {"TSCAL": 5e-324, "TZERO": 1.2345678901234567e-308}, lambda i: struct.pack(">f", i))]
+        path = write(self.path("extreme.fits"), Field(n=N).content() + any_table("CATALOG", columns))
+        out = self.path("out.fits")
+        result = self.result(path)
+        for name, given in cells(hdus(read(path))[-1][1]).items():
+            self.assertEqual(result[name], given, name)
+        keys, _ = keywords(hdus(read(out))[-1][1])
+        numbers = {value for key, value in keys.items() if key.startswith(("TNULL", "TZERO"))}
+        self.assertLessEqual({str(-2 ** 63), str(2 ** 63 - 1)}, numbers)  # to the last digit
+
     def test_a_thousand_columns(self):
         """What has room is carried: 900 columns."""
         columns = [(f"C{k}", "J", {}, lambda i, k=k: struct.pack(">i", 1000 * i + k)) for k in range(999)]
@@ -154,6 +177,29 @@ class Exposures(ExposureTest):
             answer = shearctl("measure", *self.options(carry=carry))
             self.assertCode(answer, INPUT)
             self.assertIn(said, answer.err)
+
+    def test_numbers_that_mean_something_else(self):
+        """Of a table for each chip: cells of another unit, scale or undefined number are not those of the first table."""
+        chips, truth, content = images(self.path("exp.fits")), self.truth(), primary()
+        odd = [[{}, {"TNULL": 3}, {"TSCAL": 2.0}, {"TZERO": 32768}, {"TUNIT": "mag"}], 5 * [{}]]
+        for k in (1, 2):
+            rows = [(n, x, y) for n, c, x, y in zip(*(truth[key] for key in ("NUMBER", "CHIP", "X", "Y"))) if c == k]
+            number = lambda i, rows=rows: struct.pack(">i", rows[i][0])
+            more = [(f"C{j}", "I", keys, lambda i: struct.pack(">h", i)) for j, keys in enumerate(odd[k - 1])]
+            columns = [("NUMBER", "J", {}, number), ("X_IMAGE", "D", {}, lambda i, rows=rows: struct.pack(">d", rows[i][1])),
+                       ("Y_IMAGE", "D", {}, lambda i, rows=rows: struct.pack(">d", rows[i][2]))]
+            columns += [(name, form, {}, lambda i, values=values: struct.pack(">d", values[i]))
+                        for name, form, values in self.ellipses(len(rows))]
+            header_cells = ldac([(chips[k - 1], [("NUMBER", "J", [0])])])
+            content += b"".join(hdu for name, hdu in hdus(header_cells) if name == "LDAC_IMHEAD")
+            content += any_table("LDAC_OBJECTS", columns + more, len(rows))
+        path = write(self.path("odd.ldac"), content)
+        self.measure(*self.options(sources=path))
+        result = self.cells_of(self.path("result.shear.fits"))
+        self.assertEqual([name for name in result if name.startswith("C") and name[1:].isdigit()], ["C0"])
+        answer = shearctl("measure", *self.options(sources=path, carry="C3"))
+        self.assertCode(answer, INPUT)
+        self.assertIn("with the same TNULL, TSCAL and TZERO", answer.err)
 
     def test_tables_that_differ(self):
         """Of a table for each chip: what all of them have."""

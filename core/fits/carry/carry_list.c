@@ -36,12 +36,17 @@ static void name_carried(char *out, size_t size, const char *name) {
     sf_make_printable(out);
 }
 
-const sf_column *carry_list_find(const carry_list *l, int i, const sf_table *t) {
+/* Return the first column of that name; NULL: none. */
+static const sf_column *first_called(const sf_table *t, const char *name) {
     for (int k = 0; k < t->n; k++) {
-        if (strcasecmp(t->columns[k].name, l->sources[i]) == 0)
+        if (strcasecmp(t->columns[k].name, name) == 0)
             return &t->columns[k];
     }
     return NULL;
+}
+
+const sf_column *carry_list_find(const carry_list *l, int i, const sf_table *t) {
+    return first_called(t, l->sources[i]);
 }
 
 /* ---- columns ---- */
@@ -50,7 +55,8 @@ static void form_of(char *out, size_t size, const sf_column *c) {
     snprintf(out, size, "%lld%c", (long long)c->repeat, c->type);
 }
 
-/* Describe the column, whose numbers have valid scalings. A unit that cannot be read is left out. */
+/* Describe the column, whose numbers have valid scalings. A unit that cannot be read is left out.
+ */
 static void describe(shear_carried *d, const sf_table *t, const sf_column *c) {
     char key[SF_INDEXED];
     CLEANUP(release_free) char *unit = NULL;
@@ -66,8 +72,12 @@ static void describe(shear_carried *d, const sf_table *t, const sf_column *c) {
         snprintf(d->null, sizeof d->null, "%lld", (long long)by->null);
     if (by->scale != 1.0)
         snprintf(d->scale, sizeof d->scale, "%.17G", by->scale);
-    if (by->zero != 0.0) /* 2^63 is written exactly */
-        snprintf(d->zero, sizeof d->zero, by->zero == floor(by->zero) ? "%.0f" : "%.17G", by->zero);
+    if (by->whole && by->whole_zero != 0) {
+        snprintf(d->zero, sizeof d->zero, "%lld", (long long)by->whole_zero);
+    } else if (by->zero != 0.0) { /* 2^63, of unsigned numbers, has 19 digits */
+        const bool digits = by->zero == floor(by->zero) && fabs(by->zero) < 1e19;
+        snprintf(d->zero, sizeof d->zero, digits ? "%.0f" : "%.17G", by->zero);
+    }
 }
 
 static bool has(const carry_list *l, const char *name) {
@@ -101,7 +111,8 @@ static void add(carry_list *l, const sf_table *t, const sf_column *c) {
 
 static void add_all(carry_list *l, const sf_table *t, bool of_field) {
     for (const sf_column *c = t->columns; c < t->columns + t->n; c++) {
-        const bool wanted = c->name[0] != '\0' && !(of_field && is_of_field(c->name)) &&
+        const bool wanted = c->name[0] != '\0' && first_called(t, c->name) == c &&
+                            !(of_field && is_of_field(c->name)) &&
                             unfit(l, c, CARRY_CELL) == NULL && !has(l, c->name);
         if (wanted)
             add(l, t, c);
@@ -155,12 +166,15 @@ int carry_list_init(carry_list *l, const sf_table *t, const char *names, bool of
     return SHEAR_OK;
 }
 
-static bool is_alike(const sf_column *c, const shear_carried *d) {
-    char form[sizeof d->form];
-    if (c == NULL)
+/* Return whether the column's cells mean the same as those of a carried one. */
+static bool is_alike(const sf_table *t, const sf_column *c, const shear_carried *d) {
+    shear_carried other;
+    if (c == NULL || c->by.wrong != NULL)
         return false;
-    form_of(form, sizeof form, c);
-    return strcmp(form, d->form) == 0;
+    describe(&other, t, c);
+    return strcmp(other.form, d->form) == 0 && strcmp(other.unit, d->unit) == 0 &&
+           strcmp(other.null, d->null) == 0 && strcmp(other.scale, d->scale) == 0 &&
+           strcmp(other.zero, d->zero) == 0;
 }
 
 int carry_list_match(carry_list *l, const sf_table *t, bool named, shear_error *err) {
@@ -168,15 +182,16 @@ int carry_list_match(carry_list *l, const sf_table *t, bool named, shear_error *
     l->n = l->bytes = 0;
     for (int i = 0; i < n; i++) {
         const shear_carried *d = &l->columns[i];
-        if (is_alike(carry_list_find(l, i, t), d)) {
+        if (is_alike(t, carry_list_find(l, i, t), d)) {
             l->bytes += d->bytes;
             memmove(l->sources[l->n], l->sources[i], sizeof l->sources[i]);
             l->columns[l->n++] = *d;
         } else if (named) {
             return sf_fail(err, SHEAR_E_FORMAT, t->cards->at,
                            "leave it out of --carry, or write all tables of the catalog alike",
-                           "there is no column %s of the form %s, as the first table has", d->name,
-                           d->form);
+                           "there is no column %s of the form %s%s%s, as the first table has, with "
+                           "the same TNULL, TSCAL and TZERO",
+                           d->name, d->form, d->unit[0] != '\0' ? " and the unit " : "", d->unit);
         }
     }
     return SHEAR_OK;

@@ -26,7 +26,8 @@ enum {
  * Call carry_list_deinit after an error, too. */
 int carry_list_init(carry_list *l, const sf_table *t, const char *names, bool of_field,
                     shear_error *err);
-/* Keep the columns that another table has in the same form, too. `named`: all must be there. */
+/* Keep the columns that another table has, too, in the same form, unit and scaling. `named`: all
+ * must be there. */
 int carry_list_match(carry_list *l, const sf_table *t, bool named, shear_error *err);
 void carry_list_deinit(carry_list *l);
 
