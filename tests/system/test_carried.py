@@ -178,6 +178,15 @@ class Exposures(ExposureTest):
             self.assertCode(answer, INPUT)
             self.assertIn(said, answer.err)
 
+    def test_two_of_one_name_in_results(self):
+        self.draw()
+        self.extend([("CAT_RA", "I", {}, lambda i: struct.pack(">h", i))])
+        self.measure(*self.options(carry="CAT_RA,cat_ra,NUMBER"))
+        self.assertEqual(list(self.cells_of(self.path("result.shear.fits")))[-2:], ["CAT_RA", "NUMBER"])
+        answer = shearctl("measure", *self.options(carry="RA,CAT_RA"))
+        self.assertCode(answer, INPUT)
+        self.assertIn("column CAT_RA cannot be carried: it would be called like another one in results", answer.err)
+
     def test_numbers_that_mean_something_else(self):
         """Of a table for each chip: cells of another unit, scale or undefined number are not those of the first table."""
         chips, truth, content = images(self.path("exp.fits")), self.truth(), primary()

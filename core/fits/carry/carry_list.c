@@ -80,14 +80,15 @@ static void describe(shear_carried *d, const sf_table *t, const sf_column *c) {
     }
 }
 
-static bool has(const carry_list *l, const char *name) {
+/* Return the name in the table of the column that has this one's name in results; NULL: none. */
+static const char *namesake(const carry_list *l, const char *name) {
     char carried[sizeof l->columns[0].name];
     name_carried(carried, sizeof carried, name);
     for (int i = 0; i < l->n; i++) {
         if (strcasecmp(l->columns[i].name, carried) == 0)
-            return true;
+            return l->sources[i];
     }
-    return false;
+    return NULL;
 }
 
 /* Return what keeps a column from being carried; NULL: nothing. */
@@ -113,7 +114,7 @@ static void add_all(carry_list *l, const sf_table *t, bool of_field) {
     for (const sf_column *c = t->columns; c < t->columns + t->n; c++) {
         const bool wanted = c->name[0] != '\0' && first_called(t, c->name) == c &&
                             !(of_field && is_of_field(c->name)) &&
-                            unfit(l, c, CARRY_CELL) == NULL && !has(l, c->name);
+                            unfit(l, c, CARRY_CELL) == NULL && namesake(l, c->name) == NULL;
         if (wanted)
             add(l, t, c);
     }
@@ -129,9 +130,12 @@ static int add_named(carry_list *l, const sf_table *t, const char *name, bool of
         return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, advice,
                        "there is no column %.70s to be carried", name);
     }
-    if (has(l, name) || (of_field && is_of_field(name)))
+    const char *other = namesake(l, name);
+    if ((other != NULL && strcasecmp(other, name) == 0) || (of_field && is_of_field(name)))
         return SHEAR_OK;
-    const char *what = unfit(l, c, CARRY_NAMED_CELL);
+    const char *what = other != NULL ? "would be called like another one in results, where those "
+                                       "named like columns of results are called CAT_NAME"
+                                     : unfit(l, c, CARRY_NAMED_CELL);
     if (what != NULL) {
         return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "leave it out of --carry",
                        "column %s cannot be carried: it %s", c->name, what);
