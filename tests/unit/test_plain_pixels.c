@@ -4,6 +4,7 @@
 #include "fits/tiles/image.h"
 #include "fits_fixture.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,15 +62,25 @@ static void read_by_cfitsio(const int64_t first[3], const int64_t size[3], int b
     assert_int_equal(status, 0);
 }
 
-static void read_here(const int64_t first[3], const int64_t size[3], double *out) {
+/* Return whether floats are said to have all values. */
+static bool read_here(const int64_t first[3], const int64_t size[3], double *out) {
     shear_error err = {0};
     sf_file file;
     sf_image image;
     assert_int_equal(sf_file_open(&file, path(), -1, &err), SHEAR_OK);
     assert_int_equal(sf_image_init(&image, &file, &file.hdus[1], "ANY", &err), SHEAR_OK);
     assert_int_equal(sf_image_read(&image, first, size, out, &err), SHEAR_OK);
+    const bool fits_float = sf_plain_fits_float(&image.plain);
     sf_image_deinit(&image);
     sf_file_close(&file);
+    return fits_float;
+}
+
+static bool all_floats(const double *v, int64_t n) {
+    bool all = true;
+    for (int64_t i = 0; i < n; i++)
+        all = all && (!isfinite(v[i]) || (fabs(v[i]) <= FLT_MAX && (double)(float)v[i] == v[i]));
+    return all;
 }
 
 /* The whole image, whole rows, and a box within rows. */
@@ -83,7 +94,8 @@ static void check(const fixture_image *image) {
         const int64_t *size = boxes[b][1];
         int blanks = 0;
         read_by_cfitsio(boxes[b][0], size, image->bitpix, expected);
-        read_here(boxes[b][0], size, found);
+        const bool fits_float = read_here(boxes[b][0], size, found);
+        assert_int_equal(fits_float, all_floats(found, size[0] * size[1] * size[2]));
         for (int64_t i = 0; i < size[0] * size[1] * size[2]; i++) {
             if (!(isnan(found[i]) && isnan(expected[i])))
                 assert_memory_equal(&found[i], &expected[i], sizeof found[i]);

@@ -135,3 +135,9 @@ int sf_plain_read(const sf_plain *p, const int64_t first[SF_AXES], const int64_t
     }
     return SHEAR_OK;
 }
+
+bool sf_plain_fits_float(const sf_plain *p) {
+    const bool is_short = p->bitpix == 8 || p->bitpix == 16;
+    const bool whole = fabs(p->zero) <= 0x1p20 && p->zero == trunc(p->zero);
+    return p->scale == 1.0 && ((p->bitpix == -32 && p->zero == 0.0) || (is_short && whole));
+}

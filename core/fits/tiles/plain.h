@@ -20,3 +20,6 @@ typedef struct sf_plain {
  * BLANK is NaN. SHEAR_E_IO, SHEAR_E_FORMAT: the data end early. */
 int sf_plain_read(const sf_plain *p, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
                   double *out, shear_error *err);
+
+/* Return whether a float has the value of any pixel, whatever the pixels are. */
+bool sf_plain_fits_float(const sf_plain *p);

@@ -4,6 +4,7 @@
 #include "base/arena.h"
 #include "base/cleanup.h"
 #include "base/pages.h"
+#include "base/simd.h"
 #include "fits/tiles/image.h"
 #include "survey/pixels/defects.h"
 #include "survey/pixels/internal.h"
@@ -32,7 +33,8 @@ enum {
 typedef struct band {
     int number;    /* -1: none */
     uint64_t used; /* when, by chip_pixels.clock */
-    double *value; /* [rows][nx], like the other arrays */
+    double *value; /* [rows][nx], like the other arrays; NULL: they are in ... */
+    float *single;
     float *sigma;
     uint8_t *defect;
     int32_t *owner;
@@ -42,6 +44,7 @@ struct chip_pixels {
     const exposure_chip *chip;
     sf_image layers[N_LAYERS];
     bool has_weight, has_mask, has_segmentation;
+    bool single; /* floats have all values of the image, and are kept instead */
     int nx, ny;
     int rows;     /* of a band; the last one may have fewer */
     int *slot_of; /* [bands]: index of a band's slot, -1: it is not in memory */
@@ -51,7 +54,7 @@ struct chip_pixels {
     void *pixels; /* of all slots */
     void *memory; /* of what else is allocated */
     uint64_t clock;
-    double *scratch; /* [rows][nx]: pixels of weight, mask or segmentation */
+    double *scratch; /* [rows][nx]: pixels of a layer that is kept in another form */
     bool has_painter;
     object_painter painter;
 };
@@ -65,7 +68,8 @@ static bool has_owners(const chip_pixels *c) {
 /* Place the arrays of a band. */
 static void place(band *b, const chip_pixels *c, arena *a) {
     const size_t n = (size_t)c->rows * (size_t)c->nx;
-    b->value = arena_doubles(a, n);
+    b->value = c->single ? NULL : arena_doubles(a, n);
+    b->single = c->single ? arena_take(a, n * sizeof *b->single) : NULL;
     b->defect = arena_take(a, n);
     b->sigma = c->has_weight ? arena_take(a, n * sizeof *b->sigma) : NULL;
     b->owner = has_owners(c) ? arena_take(a, n * sizeof *b->owner) : NULL;
@@ -137,6 +141,8 @@ static int open_layers(chip_pixels *c, shear_error *err) {
         if (image->file != NULL)
             TRY(sf_image_init(&c->layers[i], image->file, image->hdu, image->label, err));
     }
+    c->single =
+        !c->layers[LAYER_IMAGE].compressed && sf_plain_fits_float(&c->layers[LAYER_IMAGE].plain);
     c->has_weight = c->chip->layers[LAYER_WEIGHT].file != NULL;
     c->has_mask = c->chip->layers[LAYER_MASK].file != NULL;
     c->has_segmentation = c->chip->layers[LAYER_SEGMENTATION].file != NULL;
@@ -185,6 +191,18 @@ bool chip_pixels_segmented(const chip_pixels *c) {
 
 /* ---- bands ---- */
 
+SHEAR_SIMD static void narrow(const double *restrict from, size_t n, float *restrict to) {
+#pragma omp simd
+    for (size_t i = 0; i < n; i++)
+        to[i] = (float)from[i];
+}
+
+SHEAR_SIMD static void widen(const float *restrict from, size_t n, double *restrict to) {
+#pragma omp simd
+    for (size_t i = 0; i < n; i++)
+        to[i] = (double)from[i];
+}
+
 /* Fill the band whose number it has. */
 static int fill(chip_pixels *c, band *b, shear_error *err) {
     const exposure_chip *chip = c->chip;
@@ -192,8 +210,11 @@ static int fill(chip_pixels *c, band *b, shear_error *err) {
     const int count = c->ny - first[1] < c->rows ? (int)(c->ny - first[1]) : c->rows;
     const int64_t size[SF_AXES] = {c->nx, count, 1};
     const size_t n = (size_t)c->nx * (size_t)count;
-    TRY(sf_image_read(&c->layers[LAYER_IMAGE], first, size, b->value, err));
-    defects_of_values(b->value, n, chip->saturate, b->defect);
+    double *value = c->single ? c->scratch : b->value;
+    TRY(sf_image_read(&c->layers[LAYER_IMAGE], first, size, value, err));
+    defects_of_values(value, n, chip->saturate, b->defect);
+    if (c->single)
+        narrow(value, n, b->single);
     if (c->has_weight) {
         TRY(sf_image_read(&c->layers[LAYER_WEIGHT], first, size, c->scratch, err));
         defects_of_weights(c->scratch, n, chip->weight_kind, b->sigma, b->defect);
@@ -289,8 +310,10 @@ static void set_outside(const pixel_box *box, size_t at, size_t n) {
 
 /* Copy n pixels of a band, from index `from` on, to those of the box from `at` on. */
 static void copy(const band *b, size_t from, const pixel_box *box, size_t at, size_t n) {
-    if (box->value != NULL)
+    if (box->value != NULL && b->value != NULL)
         memcpy(box->value + at, b->value + from, n * sizeof *box->value);
+    if (box->value != NULL && b->value == NULL)
+        widen(b->single + from, n, box->value + at);
     if (box->defect != NULL)
         memcpy(box->defect + at, b->defect + from, n);
     if (box->sigma != NULL && b->sigma != NULL)
