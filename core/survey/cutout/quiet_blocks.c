@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "survey/cutout/quiet_blocks.h"
 
+#include "base/simd.h"
 #include "base/sort.h"
 
 #include <math.h>
+#include <string.h>
 
 enum {
     SIDE = 8,                      /* pixels of a block */
@@ -26,6 +28,10 @@ void quiet_blocks_place(quiet_blocks *q, int nx, arena *a) {
     q->step[1] = arena_doubles(a, n);
     q->equal = arena_take(a, n);
     q->sorted = arena_doubles(a, HIGH * WINDOW);
+    for (int d = 0; d < 2; d++) {
+        q->sums[d] = arena_doubles(a, (size_t)nx);
+        q->equals[d] = arena_take(a, (size_t)nx);
+    }
 }
 
 /* Return whether a block, of which the first cell is given, has neither objects nor defects. */
@@ -37,36 +43,54 @@ static bool is_free(const box_map *map, int row, int column) {
     return true;
 }
 
-/* Return the sum of the squared differences of pixels that are `apart`, and count equal ones. */
-static double sum_steps(const double *v, int nx, int width, int height, int apart, int *equal) {
-    double sum = 0.0;
-    for (int y = 0; y < height; y++) {
-        const double *row = v + (size_t)y * (size_t)nx;
-        for (int x = 0; x < width; x++) {
-            const double d = row[x + apart] - row[x];
-            sum += d * d;
-            *equal += d == 0.0;
-        }
+/* Add the squared differences of pixels to sums[n], and whether they are equal to equal[n]. */
+SHEAR_SIMD static void add_steps(double *restrict sums, uint8_t *restrict equal,
+                                 const double *restrict from, const double *restrict to, size_t n) {
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        const double d = to[i] - from[i];
+        sums[i] += d * d;
+        equal[i] = (uint8_t)(equal[i] + (d == 0.0));
     }
-    return sum;
 }
 
-/* Measure block `column` of the row of blocks `k`, whose first row of pixels is `row` of p. */
-static void measure(quiet_blocks *q, const box_map *map, const mesh_pixels *p, int k, int row,
-                    int column) {
-    const int nx = map->x.pixels;
-    const size_t at = (size_t)k * (size_t)q->columns + (size_t)column;
-    const size_t first = (size_t)row * (size_t)nx + (size_t)column * SIDE;
-    int equal = 0;
-    q->step[0][at] = q->step[1][at] = NAN;
-    if (!is_free(map, (p->y + row) / BOX_CELL, column * CELLS))
-        return;
-    const double sigma = (double)p->sigma[first];
-    const double unit = isfinite(sigma) && sigma > 0.0 ? sigma * sigma : 1.0;
-    const double *v = p->value + first;
-    q->step[0][at] = sum_steps(v, nx, SIDE - 1, SIDE, 1, &equal) / (PAIRS * unit);
-    q->step[1][at] = sum_steps(v, nx, SIDE, SIDE - 1, nx, &equal) / (PAIRS * unit);
-    q->equal[at] = (uint8_t)equal;
+/* Sum the steps of each pixel column within a row of blocks, whose first pixel is v. */
+static void sum_columns(quiet_blocks *q, const double *v, size_t nx) {
+    memset(q->sums[0], 0, nx * sizeof *q->sums[0]);
+    memset(q->sums[1], 0, nx * sizeof *q->sums[1]);
+    memset(q->equals[0], 0, nx);
+    memset(q->equals[1], 0, nx);
+    for (int y = 0; y < SIDE; y++, v += nx) {
+        add_steps(q->sums[0], q->equals[0], v, v + 1, nx - 1);
+        if (y < SIDE - 1)
+            add_steps(q->sums[1], q->equals[1], v, v + nx, nx);
+    }
+}
+
+/* Measure the row of blocks `k`, whose first row of pixels is `row` of p. */
+static void measure(quiet_blocks *q, const box_map *map, const mesh_pixels *p, int k, int row) {
+    const size_t nx = (size_t)map->x.pixels;
+    const size_t first = (size_t)row * nx;
+    sum_columns(q, p->value + first, nx);
+    for (int column = 0; column < q->columns; column++) {
+        const size_t at = (size_t)k * (size_t)q->columns + (size_t)column;
+        const size_t x = (size_t)column * SIDE;
+        const double sigma = (double)p->sigma[first + x];
+        const double unit = isfinite(sigma) && sigma > 0.0 ? sigma * sigma : 1.0;
+        double sums[2] = {0.0, 0.0};
+        int equal = 0;
+        q->step[0][at] = q->step[1][at] = NAN;
+        if (!is_free(map, (p->y + row) / BOX_CELL, column * CELLS))
+            continue;
+        for (size_t i = 0; i < SIDE; i++) {
+            sums[0] += i < SIDE - 1 ? q->sums[0][x + i] : 0.0;
+            sums[1] += q->sums[1][x + i];
+            equal += (i < SIDE - 1 ? q->equals[0][x + i] : 0) + q->equals[1][x + i];
+        }
+        q->step[0][at] = sums[0] / (PAIRS * unit);
+        q->step[1][at] = sums[1] / (PAIRS * unit);
+        q->equal[at] = (uint8_t)equal;
+    }
 }
 
 /* Return the upper quartile of the blocks in columns first .. end-1 of `rows` rows; NaN: they do
@@ -90,6 +114,23 @@ static double quartile(const quiet_blocks *q, int direction, int rows, int first
     return q->sorted[n * 19 / 20] <= widest * upper ? upper : NAN;
 }
 
+/* Return whether one of a segment's blocks may be quiet among those in columns first .. end-1: a
+ * quartile is at most the largest. Mostly none is, and nothing needs to be sorted. */
+static bool may_be_quiet(const quiet_blocks *q, int direction, int rows, const int segment[2],
+                         int first, int end) {
+    double least = INFINITY;
+    double most = 0.0;
+    for (int k = 0; k < rows; k++) {
+        const double *step = q->step[direction] + (size_t)k * (size_t)q->columns;
+        for (int i = first; i < end; i++) {
+            most = step[i] > most ? step[i] : most;
+            if (i >= segment[0] && i < segment[1])
+                least = step[i] < least ? step[i] : least;
+        }
+    }
+    return least < quiet * most;
+}
+
 /* Mark the quiet ones of a segment, in one direction. */
 static void mark(const quiet_blocks *q, box_map *map, int direction, int rows, int row,
                  const int segment[2], double limit) {
@@ -107,18 +148,18 @@ static void find(const quiet_blocks *q, box_map *map, int rows, int row, int fir
         const int segment[2] = {i, i + SEGMENT < end ? i + SEGMENT : end};
         const int from = i - AROUND > first ? i - AROUND : first;
         const int to = i + SEGMENT + AROUND < end ? i + SEGMENT + AROUND : end;
-        for (int d = 0; d < 2; d++)
-            mark(q, map, d, rows, row, segment, quiet * quartile(q, d, rows, from, to));
+        for (int d = 0; d < 2; d++) {
+            if (may_be_quiet(q, d, rows, segment, from, to))
+                mark(q, map, d, rows, row, segment, quiet * quartile(q, d, rows, from, to));
+        }
     }
 }
 
 void quiet_blocks_find(quiet_blocks *q, box_map *map, const mesh_pixels *p) {
     const int skipped = (SIDE - p->y % SIDE) % SIDE; /* rows before the first whole block */
     const int rows = p->n > skipped ? (p->n - skipped) / SIDE : 0;
-    for (int k = 0; k < rows; k++) {
-        for (int i = 0; i < q->columns; i++)
-            measure(q, map, p, k, skipped + k * SIDE, i);
-    }
+    for (int k = 0; k < rows; k++)
+        measure(q, map, p, k, skipped + k * SIDE);
     for (int i = 0; i < map->x.parts; i++) {
         const int start = amplifier_axis_start(&map->x, i);
         find(q, map, rows, (p->y + skipped) / BOX_CELL, (start + SIDE - 1) / SIDE,

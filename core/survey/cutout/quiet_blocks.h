@@ -19,7 +19,9 @@ typedef struct quiet_blocks {
     double
         *step[2];   /* [8][columns] mean squared differences in x, and in y; NaN: not all is free */
     uint8_t *equal; /* [8][columns] number of pairs whose pixels are equal */
-    double *sorted; /* scratch */
+    double *sorted; /* scratch, like all below */
+    double *sums[2];    /* [nx] squared differences along x and y, over the rows of a block */
+    uint8_t *equals[2]; /* [nx] how many of them are 0 */
 } quiet_blocks;
 
 /* Place the memory for chips of nx columns. */
