@@ -169,8 +169,12 @@ static double cell_area(const psf_view *v, int i, int j, int refine, double leve
         for (int p = 0; p < refine; p++) {
             const double low_left = height[q][p];
             const double high_right = height[q + 1][p + 1];
-            area += 0.5 * (triangle(low_left, height[q][p + 1], high_right) +
-                           triangle(low_left, height[q + 1][p], high_right));
+            const int above =
+                (low_left > 0) + (high_right > 0) + (height[q][p + 1] > 0) + (height[q + 1][p] > 0);
+            area += above % 4 == 0 /* the contour is elsewhere */
+                        ? above / 4
+                        : 0.5 * (triangle(low_left, height[q][p + 1], high_right) +
+                                 triangle(low_left, height[q + 1][p], high_right));
         }
     }
     return area / ((double)refine * refine);
