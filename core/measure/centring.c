@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { REACH = 8, SPOT = 2, FEWEST = 20, RARE = 7 };
+enum { REACH = 8, SPOT = 2, FEWEST = 20, RARE = 7, FEWEST_FOUND = 8 };
 
-static const double brighter = 1.5, most_px = 0.5, errors = 5.0;
+static const double brighter = 1.5, most_px = 0.5, errors = 5.0, scattered_px = 2.0;
 /* A normal distribution's standard deviation over its median absolute deviation, times the error of
  * its median over that of its mean. */
 static const double of_median = 1.4826 * 1.2533;
@@ -127,6 +127,18 @@ bool shear_centring_is_off(const shear_centring *c) {
                                   fabs(c->y) > fmax(most_px, errors * c->y_err));
 }
 
+/* Return the median absolute deviation that the error of a median came from. */
+static double deviation(double err, int64_t n) {
+    return err * sqrt((double)n) / of_median;
+}
+
+/* Light that was found by chance lies anywhere within REACH: its deviation is half of that. Of
+ * galaxies, however faint, it is some tenths of a pixel. */
+static bool is_scattered(const shear_centring *c) {
+    return c->found >= FEWEST_FOUND && deviation(c->x_err, c->found) > scattered_px &&
+           deviation(c->y_err, c->found) > scattered_px;
+}
+
 bool shear_centring_is_lost(const shear_centring *c) {
-    return c->looked_at >= FEWEST && RARE * c->found < c->looked_at;
+    return c->looked_at >= FEWEST && (RARE * c->found < c->looked_at || is_scattered(c));
 }

@@ -17,11 +17,12 @@ static int origin_error(const shear_centring *c) {
 
 const char *sheard_advice_positions(const shear_centring *c, char *buf, size_t size) {
     if (shear_centring_is_lost(c)) {
-        return advice_say(buf, size,
-                          "there is light near %" PRId64 " of %" PRId64
-                          " positions only: are they of this image, in these columns (--columns), "
-                          "and is it the catalog of this chip?",
-                          c->found, c->looked_at);
+        return advice_say(
+            buf, size,
+            "there is light near %" PRId64 " of %" PRId64
+            " positions only, as by chance: are they of this image, in these columns (--columns), "
+            "and is it the catalog of this chip?",
+            c->found, c->looked_at);
     }
     if (!shear_centring_is_off(c))
         return NULL;

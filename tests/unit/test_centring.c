@@ -112,6 +112,25 @@ static void test_origins(void **state) {
     assert_non_null(strstr(line, "another image"));
 }
 
+/* Cosmic rays without their mask, or the galaxies of another chip: light anywhere. */
+static void test_light_by_chance(void **state) {
+    static double dx[MANY], dy[MANY];
+    char line[SHEARD_ADVICE_SIZE];
+    (void)state;
+    for (int found = 12; found <= MANY; found += 47) {
+        shear_centring c;
+        seed = 5;
+        for (int i = 0; i < found; i++) {
+            dx[i] = 16.0 * uniform() - 8.0;
+            dy[i] = 16.0 * uniform() - 8.0;
+        }
+        shear_centring_summarize(&c, found < 64 ? 64 : MANY, dx, dy, found);
+        assert_true(shear_centring_is_lost(&c));
+        assert_non_null(sheard_advice_positions(&c, line, sizeof line));
+        assert_non_null(strstr(line, "by chance"));
+    }
+}
+
 static void test_no_light(void **state) {
     char line[SHEARD_ADVICE_SIZE];
     const shear_centring c = sample(0.0, 0.0, 0.0);
@@ -145,6 +164,7 @@ int main(void) {
         cmocka_unit_test(test_the_fraction_of_a_position_counts),
         cmocka_unit_test(test_right_positions),
         cmocka_unit_test(test_origins),
+        cmocka_unit_test(test_light_by_chance),
         cmocka_unit_test(test_no_light),
         cmocka_unit_test(test_hostile_stamps),
     };

@@ -49,7 +49,8 @@ void shear_centring_summarize(shear_centring *c, int64_t looked_at, double *dx, 
  * away (and 5 errors), in columns or rows. */
 bool shear_centring_is_off(const shear_centring *c);
 /** Return whether positions are not those of galaxies: of at least 20, fewer than a seventh have
- * light. */
+ * light; or the light lies anywhere: half of 8 or more is farther than 2 px from its median, in
+ * columns and in rows. */
 bool shear_centring_is_lost(const shear_centring *c);
 
 SHEAR_END_C
