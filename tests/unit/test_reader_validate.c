@@ -129,8 +129,8 @@ static void carried(void **state) {
         const char *form;
         int bytes;
         bool good;
-    } forms[] = {{"1J", 4, true},    {"12A", 12, true}, {"11X", 2, true},  {"1M", 16, true},
-                 {"11X", 11, false}, {"1P", 8, false},  {"J", 4, false},   {"-1J", 4, false},
+    } forms[] = {{"1J", 4, true},    {"12A", 12, true}, {"11X", 2, true},      {"1M", 16, true},
+                 {"11X", 11, false}, {"1P", 8, false},  {"J", 4, false},       {"-1J", 4, false},
                  {"3", 3, false},    {"1JJ", 4, false}, {"1048577B", 1, false}};
     shear_carried c = good_column();
     assert_true(validate_carried(&c));

@@ -13,7 +13,7 @@ struct shear_catalog {
     int64_t n;
     unsigned columns;  /* of the field file */
     int carried_bytes; /* of a row of carried columns */
-    bool id_unsigned; /* its ids are unsigned numbers of 64 bits, stored as bits */
+    bool id_unsigned;  /* its ids are unsigned numbers of 64 bits, stored as bits */
     sf_bitset written;
     int64_t kept;   /* number of rows that its header declares to be on disk */
     double *values; /* [capacity]: one column of a chunk, of any type */
