@@ -66,11 +66,10 @@ static void fail_no_shear(const sheard_validation_report *v, shear_error *words)
 
 /* Return the first chip whose coordinates place it where the catalog has no sources; NULL: none. */
 static const sheard_chip_report *find_astray(const sheard_validation_report *v) {
-    for (int i = 0; i < v->n_chips; i++) {
-        if (sources_away_far(&v->chips[i].chip))
-            return &v->chips[i];
-    }
-    return NULL;
+    const sheard_chip_report *r = v->chips;
+    while (r < v->chips + v->n_chips && !sources_away_far(&r->chip))
+        r++;
+    return r < v->chips + v->n_chips ? r : NULL;
 }
 
 static void fail_astray(const sheard_chip_report *r, shear_error *words) {
@@ -84,11 +83,12 @@ static void fail_astray(const sheard_chip_report *r, shear_error *words) {
 
 /* Return whether the PSF of a chip is too broad. */
 static bool has_broad_psf(const sheard_validation_report *v) {
-    bool broad = false;
-    for (int i = 0; i < v->n_chips && !broad; i++) {
-        broad = sheard_psf_is_broad(v->chips[i].n_bright, v->chips[i].n_sharp, &v->result, v->plan);
+    const sheard_chip_report *r = v->chips;
+    while (r < v->chips + v->n_chips &&
+           !sheard_psf_is_broad(r->n_bright, r->n_sharp, &v->result, v->plan)) {
+        r++;
     }
-    return broad;
+    return r < v->chips + v->n_chips;
 }
 
 void validation_conclude(sheard_validation_report *v, shear_error *words) {

@@ -25,7 +25,7 @@ void sf_layout_add_columns(sf_layout *l, unsigned columns, int terms) {
 }
 
 void sf_layout_add_carried(sf_layout *l, const shear_carried *columns, int n) {
+    static const char comment[] = "of the input's catalog";
     for (int i = 0; i < n; i++)
-        sf_layout_add(l, columns[i].name, columns[i].form, columns[i].unit,
-                      "of the input's catalog");
+        sf_layout_add(l, columns[i].name, columns[i].form, columns[i].unit, comment);
 }
