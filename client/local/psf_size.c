@@ -10,11 +10,29 @@
 
 /* Half of the light of a Gaussian of R_PSF = 1 lies within it; of other PSFs within more. */
 static const double HALF_LIGHT = 1.177;
+/* FLUX_RADIUS of stars is that of the PSF to 6 % (PSFEx, real and mock). */
+static const double STARS_BROADER = 1.1;
+/* That of narrower PSFs has the pixel in it once more. */
+static const double WIDE_PX = 1.0;
 /* Chips of one camera differ by a few percent. */
 static const double ODD = 0.15;
 enum { FEWEST_CHIPS = 4 };
 
+static const char *narrow(const shear_chip *chip, char *line, size_t size) {
+    if (!(chip->psf_radius_px >= WIDE_PX &&
+          chip->star_radius_px > STARS_BROADER * chip->psf_radius_px))
+        return NULL;
+    snprintf(line, size,
+             "its PSF is narrower (half of its light within %.2f px) than the small sources that "
+             "are not selected (FLUX_RADIUS %.2f px): if these are stars, it is the PSF of another "
+             "image, and every shear is wrong",
+             chip->psf_radius_px, chip->star_radius_px);
+    return line;
+}
+
 const char *psf_size_warning(const shear_chip *chip, char *line, size_t size) {
+    if (narrow(chip, line, size) != NULL)
+        return line;
     if (!(chip->source_quartile < HALF_LIGHT * chip->r_psf_px))
         return NULL;
     snprintf(line, size,

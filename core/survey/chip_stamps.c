@@ -6,6 +6,7 @@
 #include "base/sort.h"
 #include "shear/stamp.h"
 #include "survey/cutout/light.h"
+#include "survey/half_light.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -189,6 +190,7 @@ int chip_stamps_init(chip_stamps *s, const chip_inputs *in, shear_error *err) {
             add_stamp(s, in, &p, i);
     }
     s->r_gal_measured = in->sources->r_gal_measured;
+    s->star_radius = half_light_of_stars(in->sources);
     s->r_light = NAN;
     if (s->r_gal_measured && !chip_stamps_quantile(s, 0.5, &s->r_light))
         return out_of_memory(err);

@@ -20,6 +20,7 @@ typedef struct chip_stamps {
     double *weight;   /* NULL if the catalog has none, like r_gal */
     double *r_gal;
     bool r_gal_measured;   /* 2 FLUX_RADIUS, the PSF included */
+    double star_radius;    /* FLUX_RADIUS of the stars that are left out; NaN: unknown */
     double r_light;        /* their median then, else NaN: chip_stamps_light() */
     double (*jacobian)[4]; /* NaN without a sky map */
     double *psf_terms;     /* [n][terms] */

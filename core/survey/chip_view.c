@@ -4,6 +4,7 @@
 
 #include "base/cleanup.h"
 #include "survey/cutout/mesh_relation.h"
+#include "survey/half_light.h"
 #include "survey/internal.h"
 #include "survey/second_moments.h"
 
@@ -57,6 +58,19 @@ static double source_quartile(const chip_stamps *s) {
     return 0.5 * r_gal;
 }
 
+/* Return the half-light radius of the PSF at the stamp in the middle, pixels; NaN if it is not a
+ * model of pixels, or there is no such stamp. */
+static double psf_radius(const exposure *e, int i) {
+    const exposure_chip *chip = &e->chips[i];
+    const shear_psf_model *m = &e->base.models[chip->model];
+    const int64_t middle = exposure_middle_stamp(e, i);
+    if (m->axes == SHEAR_PSF_AXES_MODES || middle < 0)
+        return NAN;
+    const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
+    CLEANUP(release_free) double *image = psf_image(e, chip, middle);
+    return image != NULL ? half_light_of_image(image, m->nx, m->ny) * m->step / scale : NAN;
+}
+
 int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shear_error *err) {
     TRY(check_chip(field, i, err));
     const exposure *e = (const exposure *)field;
@@ -76,7 +90,9 @@ int shear_field_get_chip(const shear_field *field, int i, shear_chip *chip, shea
                          .psf_terms = psf_models_get(e->psf, c->model)->terms,
                          .psf_stars = stars > 0 ? stars : -1,
                          .r_psf_px = NAN,
-                         .source_quartile = source_quartile(&c->stamps)};
+                         .source_quartile = source_quartile(&c->stamps),
+                         .star_radius_px = c->stamps.star_radius,
+                         .psf_radius_px = psf_radius(e, i)};
     exposure_images_size(e->images, i, &chip->nx, &chip->ny);
     (void)exposure_r_psf(e, i, &chip->r_psf_px);
     for (int part = 0; part < SHEAR_N_PARTS; part++) {

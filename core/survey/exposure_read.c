@@ -16,12 +16,11 @@ void exposure_let_go(held_chip *h) {
     *h = (held_chip){.chip = -1};
 }
 
-int exposure_r_psf(const exposure *e, int chip, double *r) {
+int64_t exposure_middle_stamp(const exposure *e, int chip) {
     int nx;
     int ny;
     exposure_images_size(e->images, chip, &nx, &ny);
     const chip_stamps *s = &e->chips[chip].stamps;
-    const shear_psf_model *m = &e->base.models[e->chips[chip].model];
     int64_t nearest = -1;
     double least = INFINITY;
     for (int64_t i = 0; i < s->n; i++) {
@@ -31,6 +30,13 @@ int exposure_r_psf(const exposure *e, int chip, double *r) {
             nearest = i;
         }
     }
+    return nearest;
+}
+
+int exposure_r_psf(const exposure *e, int chip, double *r) {
+    const chip_stamps *s = &e->chips[chip].stamps;
+    const shear_psf_model *m = &e->base.models[e->chips[chip].model];
+    const int64_t nearest = exposure_middle_stamp(e, chip);
     const double scale = m->axes == SHEAR_PSF_AXES_SKY ? e->base.info.pixscale : 1.0;
     return nearest >= 0
                ? shear_psf_model_radius(m, s->psf_terms + nearest * s->terms, scale, r, NULL)

@@ -57,7 +57,9 @@ int exposure_find_chip(const exposure *e, int64_t stamp);
 int exposure_hold(exposure *e, int chip, shear_error *err);
 /* Cut stamp `i` of a chip. */
 int exposure_cut(exposure *e, int chip, int64_t i, cutter_pair *pair, shear_error *err);
-/* Compute R_PSF at the stamp nearest to the middle of a chip, pixels. SHEAR_E_PSF: no stamp of it
+/* Return the number on a chip of the stamp nearest to its middle that has a PSF; -1: none has. */
+int64_t exposure_middle_stamp(const exposure *e, int chip);
+/* Compute R_PSF at that stamp, pixels. SHEAR_E_PSF: no stamp of it
  * has a PSF; SHEAR_E_NOMEM; *r is unchanged then. */
 int exposure_r_psf(const exposure *e, int chip, double *r);
 /* Free the pixels of the chip that is held. */

@@ -44,6 +44,8 @@ typedef struct shear_chip {
     double r_psf_px;      /**< R_PSF in its middle, pixels; NaN: unknown */
     /** A quarter of the selected sources have a FLUX_RADIUS below it, pixels; NaN: unknown. */
     double source_quartile;
+    double star_radius_px; /**< FLUX_RADIUS of the stars that are left out, pixels; NaN: unknown */
+    double psf_radius_px;  /**< within it is half of the PSF's light, pixels; NaN: unknown */
     /** HDUs, from 0, of the images (enum shear_part: image, weight, mask, segmentation); -1: not
      * given. */
     int64_t hdu[SHEAR_N_PARTS];
