@@ -16,11 +16,16 @@
 
 enum { CARRIED_CARDS = 7 }; /* of a carried column, at most */
 
+static const char *unit_of(const sf_member *m, enum shear_frame frame) {
+    return frame != SHEAR_FRAME_PIXEL && strcmp(m->unit, SF_PER_AREA) == 0 ? SF_PER_AREA_OF_SKY
+                                                                           : m->unit;
+}
+
 void sf_catalog_layout(sf_layout *l, const shear_field_info *info) {
     sf_layout_add_columns(l, info->columns & SF_CATALOG_COPIED, 0);
     for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
         const sf_member *m = &sf_catalog_members[i];
-        sf_layout_add(l, m->name, m->form, m->unit, m->comment);
+        sf_layout_add(l, m->name, m->form, unit_of(m, info->frame), m->comment);
     }
     sf_layout_add_carried(l, info->carried, info->n_carried);
 }

@@ -28,6 +28,10 @@ typedef struct sf_member {
     const char *unit;
     const char *comment;
 } sf_member;
+/* The unit of what has a square of k more than N1 and D; where the shear is on the sky, of arcsec.
+ */
+#define SF_PER_AREA        "pixel**-2"
+#define SF_PER_AREA_OF_SKY "arcsec**-2"
 extern const sf_member sf_catalog_members[SF_CATALOG_MEMBERS];
 
 /* NF_...: the number of rows that carry flag i. */
