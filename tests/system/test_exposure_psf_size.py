@@ -17,7 +17,8 @@ class PsfSize(ExposureTest):
         self.draw("--stars", 30)
         truth = self.truth()
         n = len(truth["RA"])
-        size = [HALF_LIGHT * (1 + 0.0003 * (i % 30)) if star else 3.0 + 0.01 * (i % 70) for i, star in enumerate(truth["IS_STAR"])]
+        size = [HALF_LIGHT * (1 + 0.0003 * (i % 30)) if star else 3.0 + 0.01 * (i % 70)
+                for i, star in enumerate(truth["IS_STAR"])]
         write(self.path("exp.cat"), primary() + table("SOURCES", [
             *((name, kind, truth[name]) for name, kind in (("NUMBER", "J"), ("RA", "D"), ("DEC", "D"))),
             ("FLUX_RADIUS", "D", size), *self.ellipses(n)]))
