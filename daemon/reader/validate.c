@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/validate.h"
 
+#include "base/text.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -63,6 +65,14 @@ static bool end_text(char *text, size_t size) {
     return text_is_valid(text);
 }
 
+/* Terminate the text, and return whether it is empty or a finite number. */
+static bool end_number(char *text, size_t size) {
+    double value;
+    text[size - 1] = '\0';
+    return text[0] == '\0' ||
+           (strspn(text, "+-.0123456789E") == strlen(text) && text_to_double(text, &value));
+}
+
 /* Return whether the form is a count and a letter that make this width. */
 static bool form_is_valid(const char *form, int64_t bytes) {
     static const char types[] = "LBIJKAEDCMX";
@@ -77,8 +87,8 @@ static bool form_is_valid(const char *form, int64_t bytes) {
 bool validate_carried(shear_carried *c) {
     return end_text(c->name, sizeof c->name) && c->name[0] != '\0' &&
            end_text(c->form, sizeof c->form) && end_text(c->unit, sizeof c->unit) &&
-           end_text(c->null, sizeof c->null) && end_text(c->scale, sizeof c->scale) &&
-           end_text(c->zero, sizeof c->zero) && in_range(c->bytes, 1, SHEAR_MAX_CARRIED_BYTES) &&
+           end_number(c->null, sizeof c->null) && end_number(c->scale, sizeof c->scale) &&
+           end_number(c->zero, sizeof c->zero) && in_range(c->bytes, 1, SHEAR_MAX_CARRIED_BYTES) &&
            form_is_valid(c->form, c->bytes);
 }
 

@@ -10,8 +10,8 @@
 bool validate_info(shear_field_info *info);
 /* Return whether a model of that field is sound, but for its samples. */
 bool validate_model(const shear_psf_model *m, const shear_field_info *info);
-/* Return whether a carried column can be written: its texts are printable and its width is that of
- * its form. The texts are terminated. */
+/* Return whether a carried column can be written: its texts are printable, or numbers, and its
+ * width is that of its form. The texts are terminated. */
 bool validate_carried(shear_carried *c);
 /* Return whether the text is a terminated checksum of hexadecimal digits. */
 bool validate_checksum(const char text[SHEAR_CHECKSUM_SIZE]);

@@ -146,6 +146,10 @@ static void carried(void **state) {
     BAD(name[1], '\n');
     BAD(unit[0], '\x80');
     BAD(zero[0], '\t');
+    BAD(null[0], '\''); /* it would be a string */
+    BAD(scale[0], 'T');
+    BAD(zero[0], '-');
+    BAD(null[1], ' ');
     BAD(bytes, 0);
     BAD(bytes, 13);
     BAD(bytes, INT32_MIN);
