@@ -104,7 +104,7 @@ static double saturation(const char *header, int64_t cards) {
                                                                                        : NAN;
 }
 
-int exposure_chip_read_header(exposure_chip *chip, shear_error *err) {
+int image_chip_read_header(image_chip *chip, shear_error *err) {
     CLEANUP(buffer_deinit) buffer joined = {0};
     TRY(join(&joined, &chip->layers[LAYER_IMAGE], err));
     size_t bytes = 0;

@@ -41,7 +41,7 @@ typedef struct band {
 } band;
 
 struct chip_pixels {
-    const exposure_chip *chip;
+    const image_chip *chip;
     sf_image layers[N_LAYERS];
     bool has_weight, has_mask, has_segmentation;
     bool single; /* floats have all values of the image, and are kept instead */
@@ -205,7 +205,7 @@ SHEAR_SIMD static void widen(const float *restrict from, size_t n, double *restr
 
 /* Fill the band whose number it has. */
 static int fill(chip_pixels *c, band *b, shear_error *err) {
-    const exposure_chip *chip = c->chip;
+    const image_chip *chip = c->chip;
     const int64_t first[SF_AXES] = {0, (int64_t)b->number * c->rows, 0};
     const int count = c->ny - first[1] < c->rows ? (int)(c->ny - first[1]) : c->rows;
     const int64_t size[SF_AXES] = {c->nx, count, 1};

@@ -58,7 +58,7 @@ static int read_headers(exposure_images *e, shear_error *err) {
                            "primary HDU for each",
                            MAX_HEADER_BYTES >> 20);
         }
-        TRY(exposure_chip_read_header(&e->chips[i], err));
+        TRY(image_chip_read_header(&e->chips[i], err));
     }
     return SHEAR_OK;
 }
@@ -75,7 +75,7 @@ static int make_chips(exposure_images *e, const image_list *images, shear_error 
 
 /* Find the chip's weight map or mask in the chip's own file: one of the HDUs between it and the
  * next image. */
-static void find_own_layer(exposure_chip *chip, enum chip_layer layer, const image_list *all) {
+static void find_own_layer(image_chip *chip, enum chip_layer layer, const image_list *all) {
     bool behind = false;
     for (int i = 0; i < all->n; i++) {
         const image_hdu *image = &all->items[i];
@@ -89,7 +89,7 @@ static void find_own_layer(exposure_chip *chip, enum chip_layer layer, const ima
     }
 }
 
-static int check_layer(const exposure_chip *chip, enum chip_layer layer, shear_error *err) {
+static int check_layer(const image_chip *chip, enum chip_layer layer, shear_error *err) {
     const image_hdu *image = &chip->layers[LAYER_IMAGE];
     const image_hdu *other = &chip->layers[layer];
     const sf_place at = {other->file != NULL ? other->file->source.name : "", other->label};
@@ -108,7 +108,7 @@ static int check_layer(const exposure_chip *chip, enum chip_layer layer, shear_e
                    other->ny, image->label, image->nx, image->ny);
 }
 
-static int init_mask_rule(exposure_chip *chip, const char *text, shear_error *err) {
+static int init_mask_rule(image_chip *chip, const char *text, shear_error *err) {
     const image_hdu *mask = &chip->layers[LAYER_MASK];
     CLEANUP(sf_cards_deinit) sf_cards cards = {0};
     if (mask->file == NULL && text != NULL) {
@@ -124,7 +124,7 @@ static int init_mask_rule(exposure_chip *chip, const char *text, shear_error *er
 }
 
 /* Check the chip's layers, and find what their pixels mean. */
-static int finish_chip(exposure_chip *chip, const shear_exposure *options, shear_error *err) {
+static int finish_chip(image_chip *chip, const shear_exposure *options, shear_error *err) {
     const image_hdu *weight = &chip->layers[LAYER_WEIGHT];
     for (int layer = LAYER_WEIGHT; layer < N_LAYERS; layer++)
         TRY(check_layer(chip, (enum chip_layer)layer, err));

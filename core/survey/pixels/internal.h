@@ -9,20 +9,20 @@
 /* The parts that are images of the chip's shape, in this order. */
 enum chip_layer { LAYER_IMAGE = 0, LAYER_WEIGHT, LAYER_MASK, LAYER_SEGMENTATION, N_LAYERS };
 
-typedef struct exposure_chip {
+typedef struct image_chip {
     image_hdu layers[N_LAYERS]; /* file NULL: there is none */
     char *header;               /* [cards][80] */
     int64_t cards;
     double saturate; /* NaN: unknown */
     enum shear_weight_kind weight_kind;
     mask_rule mask;
-} exposure_chip;
+} image_chip;
 
 struct exposure_images {
     sf_file files[N_LAYERS];
     const char *paths[N_LAYERS]; /* the caller's, while it is opened */
     int n_files;
-    exposure_chip *chips; /* [n_chips] */
+    image_chip *chips; /* [n_chips] */
     int n_chips;
 };
 
@@ -32,4 +32,4 @@ int exposure_images_match(exposure_images *e, enum chip_layer layer, const image
                           const image_list *images, shear_error *err);
 
 /* Join the header of a chip with that of the primary HDU of its file, and find SATURATE in it. */
-int exposure_chip_read_header(exposure_chip *chip, shear_error *err);
+int image_chip_read_header(image_chip *chip, shear_error *err);

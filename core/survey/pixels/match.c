@@ -37,7 +37,7 @@ static int match_names(exposure_images *e, enum chip_layer layer, const image_li
 }
 
 /* Return the place of a chip among the images of its file, and their number. */
-static int place_of(const exposure_chip *chip, const image_list *images, int *n) {
+static int place_of(const image_chip *chip, const image_list *images, int *n) {
     int place = -1;
     *n = 0;
     for (int i = 0; i < images->n; i++) {
