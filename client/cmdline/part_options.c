@@ -26,7 +26,7 @@ enum exit_code part_options_set(const option_entry *entry, const char *value) {
     o->of_exposure = entry->name;
     if (shear_exposure_set(&o->exposure, entry->name, value, &err) == SHEAR_OK)
         return EXIT_CODE_DONE;
-    return message_fail(EXIT_CODE_USAGE, NULL, "--%s", err.message);
+    return message_fail(EXIT_CODE_USAGE, err.advice, "--%s", err.message);
 }
 
 enum exit_code part_options_set_size(const option_entry *entry, const char *value) {

@@ -121,6 +121,8 @@ int shear_exposure_set(shear_exposure *e, const char *name, const char *text, sh
         return set_grid(member, i, text, err);
     if (options[i].max > 0)
         return set_number(member, i, text, err);
+    if (text[0] == '\0')
+        return shear_fail(err, SHEAR_E_SETTING, "leave it out", "%s is empty", options[i].name);
     memcpy(member, &text, sizeof text);
     return SHEAR_OK;
 }

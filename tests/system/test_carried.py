@@ -5,7 +5,7 @@ import unittest
 
 from exposures import SIZES, ExposureTest, cards_of, images, keywords, ldac, read, write
 from fitsfile import Field, hdus, header, pad, primary, table
-from tool import DONE, INPUT, ToolTest, shearctl
+from tool import DONE, INPUT, USAGE, ToolTest, shearctl
 
 N = 20
 #  name, form, further keywords, a cell
@@ -177,6 +177,7 @@ class Exposures(ExposureTest):
             answer = shearctl("measure", *self.options(carry=carry))
             self.assertCode(answer, INPUT)
             self.assertIn(said, answer.err)
+        self.assertFails(shearctl("measure", *self.options(carry="")), USAGE, "--carry is empty", "leave it out")
 
     def test_two_of_one_name_in_results(self):
         self.draw()
