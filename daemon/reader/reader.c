@@ -169,7 +169,8 @@ int reader_map(reader *r, int slots, int capacity, shear_error *err) {
     r->memory_bytes = r->psf_bytes + (size_t)slots * r->slot_bytes;
     if (r->memory_bytes > (size_t)r->shared_bytes) {
         return shear_fail(
-            err, READER_E_MEMORY, "raise [reader] shared_memory, or cut smaller stamps and PSFs",
+            err, READER_E_MEMORY,
+            "raise [reader] shared_memory, cut smaller stamps and PSFs, or carry fewer columns",
             "%d blocks of %d stamp pairs take %zu bytes of shared memory, allowed are %" PRId64,
             slots, capacity, r->memory_bytes, r->shared_bytes);
     }

@@ -348,6 +348,7 @@ class Changing(Exposures):
         job = self.submit(exposure)
         self.assertEqual(job["state"], "failed")
         self.assertIn("[reader] shared_memory", job["advice"])
+        self.assertIn("carry fewer columns", job["advice"])
 
 
 if __name__ == "__main__":
