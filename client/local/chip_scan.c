@@ -72,6 +72,7 @@ static int look_at_pixels(const chip_scan *s, int i, shear_error *err) {
     }
     r->masked = (double)bad / ((double)r->chip.nx * r->chip.ny);
     r->n_extreme = sigma_range_extreme(&range);
+    TRY(shear_chip_unowned(s->field, i, &r->n_segmented, &r->n_unowned, err));
     return shear_chip_weight_slope(s->field, i, &r->weight_slope, err);
 }
 

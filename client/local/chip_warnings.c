@@ -2,6 +2,7 @@
 /* Warn of what is doubtful on the chips of an exposure, in words. */
 #include "local/chip_scan.h"
 #include "local/psf_size.h"
+#include "local/segmentation.h"
 #include "local/sources_away.h"
 #include "local/weight_map.h"
 
@@ -83,6 +84,11 @@ static const char *of_mask(const sheard_chip_report *r, const context *c, char *
     return line;
 }
 
+static const char *of_segmentation(const sheard_chip_report *r, const context *c, char *line) {
+    (void)c;
+    return segmentation_warning(r->n_segmented, r->n_unowned, line, LINE);
+}
+
 static const char *of_weight(const sheard_chip_report *r, const context *c, char *line) {
     return weight_map_warning(r, c->input->exposure.weight_kind, line, LINE);
 }
@@ -140,9 +146,9 @@ static void add(warning_list *w, const sheard_chip_report *r, int n, int chips, 
 }
 
 void chip_scan_warn(const sheard_validation_report *v, const shear_input *input, warning_list *w) {
-    static chip_warning *const kinds[] = {of_positions, of_catalog,    of_noise,
-                                          of_mask,      of_weight,     of_stars,
-                                          of_psf_size,  of_resolution, of_wcs};
+    static chip_warning *const kinds[] = {of_positions,    of_catalog, of_noise, of_mask,
+                                          of_segmentation, of_weight,  of_stars, of_psf_size,
+                                          of_resolution,   of_wcs};
     const context c = {v, input};
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
         char line[LINE];

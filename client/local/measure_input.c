@@ -3,22 +3,35 @@
 
 #include "base/cleanup.h"
 #include "local/psf_size.h"
+#include "local/segmentation.h"
 #include "local/sources_away.h"
 #include "sheard/advice.h"
 #include "terminal/message.h"
 
 #include <string.h>
 
-/* Warn of what is wrong with a chip as far as it is known without its pixels. */
-static void warn_of_chips(const shear_field *field, warning_list *warnings) {
+/* Write what is wrong with a chip as far as a look at it shows, and return it; NULL: nothing. */
+static const char *doubt_of(shear_field *field, int i, double median, const shear_chip *chip,
+                            char *line, size_t size) {
+    int64_t looked_at;
+    int64_t unowned;
+    if (sources_away_warning(chip, line, size) != NULL ||
+        psf_size_warning(chip, line, size) != NULL ||
+        psf_size_odd(chip, median, line, size) != NULL) {
+        return line;
+    }
+    return shear_chip_unowned(field, i, &looked_at, &unowned, NULL) == SHEAR_OK
+               ? segmentation_warning(looked_at, unowned, line, size)
+               : NULL; /* measuring will fail, too */
+}
+
+static void warn_of_chips(shear_field *field, warning_list *warnings) {
     const double median = psf_size_median(field);
     for (int i = 0; i < shear_field_chips(field); i++) {
         shear_chip chip;
         char line[SHEARD_ADVICE_SIZE];
         if (shear_field_get_chip(field, i, &chip, NULL) == SHEAR_OK &&
-            (sources_away_warning(&chip, line, sizeof line) != NULL ||
-             psf_size_warning(&chip, line, sizeof line) != NULL ||
-             psf_size_odd(&chip, median, line, sizeof line) != NULL)) {
+            doubt_of(field, i, median, &chip, line, sizeof line) != NULL) {
             warnings_add(warnings, "chip %d (%s): %s", i + 1,
                          chip.name[0] != '\0' ? chip.name : "no EXTNAME", line);
         }

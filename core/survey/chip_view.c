@@ -178,6 +178,35 @@ int shear_chip_read(shear_field *field, int chip, const shear_chip_box *box, she
     return chip_pixels_read(exposure_of(field)->held.pixels, &pixels, err);
 }
 
+CLEANUP_DEFINE(chip_pixels, chip_pixels_close)
+
+int shear_chip_unowned(shear_field *field, int chip, int64_t *looked_at, int64_t *unowned,
+                       shear_error *err) {
+    enum { MOST = 64 };
+    *looked_at = *unowned = 0;
+    TRY(check_chip(field, chip, err));
+    const exposure *e = exposure_of(field);
+    const chip_stamps *s = &e->chips[chip].stamps;
+    if (exposure_images_hdu(e->images, chip, SHEAR_PART_SEGMENTATION) < 0)
+        return SHEAR_OK;
+    CLEANUP(chip_pixels_release) chip_pixels *pixels = NULL; /* without the statistics of a hold */
+    TRY(chip_pixels_open(&pixels, e->images, chip, NULL, 0, err));
+    for (int64_t i = 0; i < s->n && *looked_at < MOST; i++) {
+        if ((s->flags[i] & (unsigned)SHEAR_FLAG_NO_POSITION) != 0)
+            continue;
+        int32_t owner = 0;
+        const pixel_box at = {.x = (int)floor(s->x[i] - 0.5),
+                              .y = (int)floor(s->y[i] - 0.5),
+                              .nx = 1,
+                              .ny = 1,
+                              .owner = &owner};
+        TRY(chip_pixels_read(pixels, &at, err));
+        ++*looked_at;
+        *unowned += owner == 0;
+    }
+    return SHEAR_OK;
+}
+
 int shear_chip_weight_slope(shear_field *field, int chip, double *slope, shear_error *err) {
     TRY(check_chip(field, chip, err));
     TRY(exposure_hold(exposure_of(field), chip, err));

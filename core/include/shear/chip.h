@@ -105,6 +105,11 @@ typedef struct shear_chip_box {
  * chip; SHEAR_E_NOMEM and errors of reading. */
 int shear_chip_read(shear_field *field, int chip, const shear_chip_box *box, shear_error *err);
 
+/** Look at the first 64 sources of a chip that are on it: by the segmentation, how many have sky at
+ * their position? *looked_at: their number; 0 without a segmentation. Errors as above. */
+int shear_chip_unowned(shear_field *field, int chip, int64_t *looked_at, int64_t *unowned,
+                       shear_error *err);
+
 /** Compute how the weight map's standard deviations go with those of the sky, from place to place:
  * measured sigma is proportional to a power *slope of the map's, 1 for a right map. NaN: there is
  * no map, it is flat, or they do not go together. Errors as of shear_chip_read(). */

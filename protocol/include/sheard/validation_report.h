@@ -30,8 +30,9 @@ typedef struct sheard_chip_report {
     double masked;       /* part of its pixels that are defects; NaN: unknown */
     double weight_slope; /* shear_chip_weight_slope() */
     int64_t n_extreme; /* good pixels whose sigma is below 10^-5 of the median by the weight map */
-    int64_t n_measurable;      /* stamps without a flag */
-    int64_t n_bright, n_sharp; /* shear_row_is_bright(), shear_row_is_sharp() */
+    int64_t n_measurable;           /* stamps without a flag */
+    int64_t n_bright, n_sharp;      /* shear_row_is_bright(), shear_row_is_sharp() */
+    int64_t n_segmented, n_unowned; /* of shear_chip_unowned() */
     int64_t flags[SHEAR_N_FLAGS];
     shear_centring centring;
 } sheard_chip_report;
