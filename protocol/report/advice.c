@@ -144,7 +144,8 @@ const char *sheard_advice_many_artefacts(const shear_result *r, const shear_plan
         return NULL;
     return advice_say(
         buf, size,
-        "%.2g %% of the stamps are left out for artefacts: cosmic rays in so many? else the PSF "
+        "%.2g %% of the stamps are left out for artefacts: cosmic rays in so many (of an exposure, "
+        "is this its --mask)? else the PSF "
         "is broader than the images' own, or the sky is a few photons per pixel, which look like "
         "them, and then the bright galaxies are left out: give --artefacts keep, and FLAGS of "
         "your own",

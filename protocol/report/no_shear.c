@@ -25,7 +25,8 @@ static const reason reasons[] = {
                          "or brighter ones"},
     [SHEAR_SWAPPED] = {"swapped", "the noise stamps have more power than the galaxies': swapped?",
                        "exchange galaxy and noise stamps, or correct what makes the noise stamps "
-                       "brighter than the galaxies"},
+                       "brighter than the galaxies; of an exposure, see that its catalog is of "
+                       "this image"},
     [SHEAR_TOO_NARROW] =
         {"too_narrow", "the galaxies look narrower than the PSF: is it that of this image?",
          "give the PSF of this image, made from its stars, and leave stars out; where the PSF has "
