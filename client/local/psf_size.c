@@ -5,33 +5,36 @@
 #include "base/sort.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 /* Half of the light of a Gaussian of R_PSF = 1 lies within it; of other PSFs within more. */
 static const double HALF_LIGHT = 1.177;
-/* FLUX_RADIUS of stars is that of the PSF to 6 % (PSFEx, real and mock). */
-static const double STARS_BROADER = 1.1;
+/* FLUX_RADIUS of stars is 0.94 to 1.02 times that of the PSF (PSFEx, real and mock). */
+static const double STARS_DIFFER = 1.1;
 /* That of narrower PSFs has the pixel in it once more. */
 static const double WIDE_PX = 1.0;
 /* Chips of one camera differ by a few percent. */
 static const double ODD = 0.15;
 enum { FEWEST_CHIPS = 4 };
 
-static const char *narrow(const shear_chip *chip, char *line, size_t size) {
-    if (!(chip->psf_radius_px >= WIDE_PX &&
-          chip->star_radius_px > STARS_BROADER * chip->psf_radius_px))
+static const char *unlike_stars(const shear_chip *chip, char *line, size_t size) {
+    const double ratio = chip->star_radius_px / chip->psf_radius_px;
+    const bool narrower = ratio > STARS_DIFFER;
+    if (!(chip->psf_radius_px >= WIDE_PX && (narrower || ratio < 1.0 / STARS_DIFFER)))
         return NULL;
     snprintf(line, size,
-             "its PSF is narrower (half of its light within %.2f px) than the small sources that "
-             "are not selected (FLUX_RADIUS %.2f px): if these are stars, it is the PSF of another "
-             "image, and every shear is wrong",
-             chip->psf_radius_px, chip->star_radius_px);
+             "its PSF is %s (half of its light within %.2f px) than the small sources that are not "
+             "selected (FLUX_RADIUS %.2f px): if these are stars, every shear is wrong; is it the "
+             "PSF of this image%s?",
+             narrower ? "narrower" : "broader", chip->psf_radius_px, chip->star_radius_px,
+             narrower ? "" : ", and made from its stars alone");
     return line;
 }
 
 const char *psf_size_warning(const shear_chip *chip, char *line, size_t size) {
-    if (narrow(chip, line, size) != NULL)
+    if (unlike_stars(chip, line, size) != NULL)
         return line;
     if (!(chip->source_quartile < HALF_LIGHT * chip->r_psf_px))
         return NULL;

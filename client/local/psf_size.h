@@ -6,8 +6,8 @@
 
 #include <stddef.h>
 
-/* A PSF that is broader than many sources was made from galaxies; one that is narrower than the
- * stars is of another image. Write that, and return `line`;
+/* A PSF that is broader than many sources was made from galaxies; one that is not as wide as
+ * the stars is of another image. Write that, and return `line`;
  * NULL: nothing is wrong, or the sizes are unknown. */
 const char *psf_size_warning(const shear_chip *chip, char *line, size_t size);
 /* Return the median R_PSF of the chips' PSFs; NaN for fewer than four chips. */
