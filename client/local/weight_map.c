@@ -62,7 +62,7 @@ const char *weight_map_warning(const sheard_chip_report *r, enum shear_weight_ki
         return NULL;
     snprintf(line, size,
              "%" PRId64 " of its pixels have 10^10 times the weight of most: are they the bad ones "
-             "of a map of variances (--weight-kind variance)?",
+             "of a map of variances or deviations (--weight-kind variance or rms)?",
              r->n_extreme);
     return line;
 }

@@ -129,9 +129,13 @@ static int missing(const sf_file *f, const char *name, shear_error *err) {
         text_set(shown, sizeof shown, f->hdus[i].name[0] != '\0' ? f->hdus[i].name : "(unnamed)");
         text_append_item(found, sizeof found, shown);
     }
-    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){f->source.name, NULL},
-                   "HDUs are found by EXTNAME; the file may also be truncated",
-                   "has no HDU %s (its extensions: %s)", name, f->count > 1 ? found : "none");
+    return sf_fail(
+        err, SHEAR_E_FORMAT, (sf_place){f->source.name, NULL},
+        strcmp(name, "GALAXY") == 0
+            ? "HDUs are found by EXTNAME; the file may also be truncated; an exposure is "
+              "given as --image, with --sources and --psf"
+            : "HDUs are found by EXTNAME; the file may also be truncated",
+        "has no HDU %s (its extensions: %s)", name, f->count > 1 ? found : "none");
 }
 
 int sf_file_find(const sf_file *f, const char *name, bool required, const sf_hdu **hdu,
