@@ -179,6 +179,14 @@ class Exposures(ExposureTest):
             self.assertIn(said, answer.err)
         self.assertFails(shearctl("measure", *self.options(carry="")), USAGE, "--carry is empty", "leave it out")
 
+    def test_scaling_that_is_none(self):
+        self.draw()
+        self.extend([("WRONG", "I", {"TSCAL": 0}, lambda i: struct.pack(">h", i))])
+        self.measure(*self.options())
+        self.assertNotIn("WRONG", self.cells_of(self.path("result.shear.fits")))
+        self.assertFails(shearctl("measure", *self.options(carry="WRONG")), INPUT,
+                         "column WRONG cannot be carried: its keyword TSCALn, TZEROn or TNULLn (TSCALn) is 0")
+
     def test_two_of_one_name_in_results(self):
         self.draw()
         self.extend([("CAT_RA", "I", {}, lambda i: struct.pack(">h", i))])

@@ -138,7 +138,8 @@ static int add_named(carry_list *l, const sf_table *t, const char *name, bool of
                                      : unfit(l, c, CARRY_NAMED_CELL);
     if (what != NULL) {
         return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "leave it out of --carry",
-                       "column %s cannot be carried: it %s", c->name, what);
+                       "column %s cannot be carried: %s %s", c->name,
+                       what == c->by.wrong ? "its keyword TSCALn, TZEROn or TNULLn" : "it", what);
     }
     add(l, t, c);
     return SHEAR_OK;
