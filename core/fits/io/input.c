@@ -37,10 +37,12 @@ static void append(char *buf, size_t size, const char *separator, const shear_in
 }
 
 char *shear_input_text(const shear_input *input, char *buf, size_t size) {
+    const int first = shear_input_is_exposure(input) ? SHEAR_PART_IMAGE : 0;
     text_set(buf, size, input->path);
     for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++) {
-        if (input->parts[i].path != NULL)
-            append(buf, size, buf[0] != '\0' ? " + " : "", &input->parts[i]);
+        const shear_input_part *part = &input->parts[(first + i) % SHEAR_N_PARTS];
+        if (part->path != NULL)
+            append(buf, size, buf[0] != '\0' ? " + " : "", part);
     }
     return buf;
 }

@@ -141,7 +141,7 @@ enum {
     SHEAR_INPUT_TEXT_SIZE = 4 * 4200 /**< long enough for all paths that the system opens */
 };
 /** Format the input in one line, for messages and reports: "FILE", or "FILE:HDU + FILE + ..." in
- * the order of the parts, cut to `size` bytes. Return buf. */
+ * the order of the parts, of an exposure from the image on, cut to `size` bytes. Return buf. */
 char *shear_input_text(const shear_input *input, char *buf, size_t size);
 
 SHEAR_END_C
