@@ -179,6 +179,17 @@ class Exposures(ExposureTest):
             self.assertIn(said, answer.err)
         self.assertFails(shearctl("measure", *self.options(carry="")), USAGE, "--carry is empty", "leave it out")
 
+    def test_names_that_are_cut_off(self):
+        """A text has names that are longer than a card: no two columns of results have one name."""
+        names = ["NUMBER", "ALPHA_J2000", "DELTA_J2000", "A_IMAGE", "B_IMAGE", "THETA_IMAGE", 68 * "Q" + "1", 68 * "Q" + "2"]
+        truth = self.truth()
+        text = "".join(f"# {i} {name} one\n" for i, name in enumerate(names, 1))
+        for row in zip(*(truth[key] for key in ("NUMBER", "RA", "DEC"))):
+            text += "{} {} {} 3 3 0 7 8\n".format(*row)
+        self.measure(*self.options(sources=write(self.path("long.cat"), text.encode())))
+        keys, _ = keywords(hdus(read(self.path("result.shear.fits")))[-1][1])
+        self.assertEqual([value for key, value in keys.items() if key.startswith("TTYPE")].count(68 * "Q"), 1)
+
     def test_scaling_that_is_none(self):
         self.draw()
         self.extend([("WRONG", "I", {"TSCAL": 0}, lambda i: struct.pack(">h", i))])

@@ -29,10 +29,10 @@ static bool is_of_results(const char *name) {
     return false;
 }
 
-/* Write the name that a column has in results. */
+/* Write the name that a column has in results, as much of it as a card holds. */
 static void name_carried(char *out, size_t size, const char *name) {
     const bool taken = is_of_field(name) || is_of_results(name);
-    snprintf(out, size, "%s%s", taken ? "CAT_" : "", name);
+    snprintf(out, size, "%s%.68s", taken ? "CAT_" : "", name);
     sf_make_printable(out);
 }
 
