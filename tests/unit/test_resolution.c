@@ -8,7 +8,9 @@
 #include "shear/sums.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { SIDE = 64, PSF = 33 };
 static const double R_PSF = 1.5;
@@ -192,12 +194,59 @@ static void counts_of_a_field(void **state) {
     shear_field_sums_free(again);
 }
 
+/* Write the text without its last four terms, as it was before there were such counts. */
+static void leave_out_counts(const char *text, char *out, size_t size) {
+    enum { AT = 2 + 2 + 1 + SHEAR_N_FLAGS, OLD = SHEAR_N_TERMS - 4 };
+    size_t used = 0;
+    for (int word = 0; *text != '\0'; word++) {
+        const size_t n = strcspn(text, " ");
+        if (word == AT) {
+            used += (size_t)snprintf(out + used, size - used, "%d ", OLD);
+        } else if (word <= AT + OLD || word > AT + SHEAR_N_TERMS) {
+            used += (size_t)snprintf(out + used, size - used, "%.*s ", (int)n, text);
+        }
+        text += n + (text[n] == ' ' ? 1 : 0);
+    }
+    out[used - 1] = '\0';
+}
+
+/* Sums that a service has stored earlier have no such counts, and all the rest. */
+static void earlier_sums(void **state) {
+    (void)state;
+    static char old[1 << 16];
+    shear_field_sums *f = NULL;
+    shear_field_sums *again = NULL;
+    char *text = NULL;
+    shear_result before;
+    shear_result after;
+    const shear_row row = {
+        .n1 = 0.1, .m20 = 1.0, .m02 = 1.0, .d = -0.5, .d_err = 1e-3, .weight = 1.0};
+    assert_int_equal(shear_field_sums_new(&f, NULL), SHEAR_OK);
+    for (int i = 0; i < 2; i++) {
+        const shear_block_sums b = block_of(&row);
+        shear_field_sums_add(f, &b);
+    }
+    shear_field_result(f, &before);
+    assert_int_equal(before.n_sharp, 2);
+    assert_int_equal(shear_field_sums_format(f, &text, NULL), SHEAR_OK);
+    leave_out_counts(text, old, sizeof old);
+    assert_int_equal(shear_field_sums_parse(&again, old, NULL), SHEAR_OK);
+    shear_field_result(again, &after);
+    assert_int_equal(after.n_bright + after.n_sharp + after.sharp_triples, 0);
+    assert_true(after.n_used == 2 && after.sum_d == before.sum_d);
+    assert_true(after.resolution == before.resolution);
+    free(text);
+    shear_field_sums_free(f);
+    shear_field_sums_free(again);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(d_of_gaussians),
         cmocka_unit_test(d_err_is_the_scatter),
         cmocka_unit_test(faint_stamps_do_not_count),
         cmocka_unit_test(counts_of_a_field),
+        cmocka_unit_test(earlier_sums),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
