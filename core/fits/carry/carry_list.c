@@ -32,7 +32,11 @@ static bool is_of_results(const char *name) {
 /* Write the name that a column has in results, as much of it as a card holds. */
 static void name_carried(char *out, size_t size, const char *name) {
     const bool taken = is_of_field(name) || is_of_results(name);
-    snprintf(out, size, "%s%.68s", taken ? "CAT_" : "", name);
+    if (taken) {
+        snprintf(out, size, "CAT_%.64s", name);
+    } else {
+        snprintf(out, size, "%.68s", name);
+    }
     sf_make_printable(out);
 }
 
