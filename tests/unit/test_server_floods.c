@@ -47,7 +47,9 @@ static void test_a_thousand_connections(void **state) {
     free(clients);
 }
 
-/* All that the socket takes at once: the other is answered within a few turns. */
+/* All that the socket takes at once: the other is answered within a few turns. Connections take
+ * turns by the processor time that they have had: one that an interrupt was charged to waits
+ * longer, once. */
 static void test_flood_and_fairness(void **state) {
     fixture *f = *state;
     client flood;
@@ -57,6 +59,7 @@ static void test_flood_and_fairness(void **state) {
     cl_connect(f, &flood);
     cl_connect(f, &other);
     turns(f, 3);
+    int all = 0;
     for (int round = 0; round < 20; round++) {
         const char *text = request_text(round, "metrics", NULL);
         while (cl_push(&flood, text, strlen(text)) == strlen(text)) {
@@ -66,12 +69,14 @@ static void test_flood_and_fairness(void **state) {
         int n = 0;
         while (!cl_has_line(&other)) {
             fx_turn(f);
-            assert_in_range(++n, 1, 8);
+            assert_in_range(++n, 1, 64); /* of hundreds that wait */
         }
+        all += n;
         assert_in_range(f->n - before, 1, (size_t)n + 1);
         assert_int_equal(cl_reply(f, &other), round);
         cl_has_line(&flood); /* it reads */
     }
+    assert_in_range(all, 20, 20 * 5);
     cl_close(&flood);
     cl_close(&other);
 }
