@@ -185,3 +185,13 @@ double *psf_fixture_image(const char *path, int hdu, int *nx, int *ny) {
     *ny = (int)axes[1];
     return pixels;
 }
+
+double psf_fixture_uniform(uint64_t *seed) {
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*seed >> 11) * 0x1p-53;
+}
+
+double psf_fixture_normal(uint64_t *seed) {
+    const double r = sqrt(-2.0 * log(1.0 - psf_fixture_uniform(seed)));
+    return r * cos(2.0 * acos(-1.0) * psf_fixture_uniform(seed));
+}

@@ -24,6 +24,10 @@ void psf_fixture_refuse(const char *path, enum shear_psf_kind kind, int code, ..
 /* Write the samples of model `i` at a place into out[ny][nx]. */
 void psf_fixture_samples(const psf_models *p, int i, const psf_place *place, double *out);
 
+/* A number even in [0, 1), and a standard normal one. */
+double psf_fixture_uniform(uint64_t *seed);
+double psf_fixture_normal(uint64_t *seed);
+
 /* Fail unless |a - b| <= tolerance. */
 void psf_fixture_near(double a, double b, double tolerance);
 

@@ -18,15 +18,6 @@ static double stamps[STARS * PLANE];
 static double places[2][STARS];
 
 static uint64_t seed;
-static double uniform(void) {
-    seed = seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (double)(seed >> 11) * 0x1p-53;
-}
-
-static double normal(void) {
-    const double r = sqrt(-2.0 * log(1.0 - uniform()));
-    return r * cos(2.0 * acos(-1.0) * uniform());
-}
 
 /* The light of a star of flux 1 in a pixel, which is FINE x FINE points. */
 static double light(double dx, double dy) {
@@ -49,19 +40,21 @@ typedef struct scene {
 } scene;
 
 static void draw(int i, const scene *s) {
-    const double flux = s->snr > 0.0 ? s->snr * sqrt(50.0) * (0.33 + 0.67 * uniform()) : 1.0;
-    const double x0 = SIDE / 2 - 0.5 + uniform();
-    const double y0 = SIDE / 2 - 0.5 + uniform();
-    const bool two = uniform() < s->neighbours;
-    const double far = 8.0 + 16.0 * uniform();
-    const double angle = 6.2832 * uniform();
-    places[0][i] = 2000.0 * uniform();
-    places[1][i] = 2000.0 * uniform();
+    const double flux =
+        s->snr > 0.0 ? s->snr * sqrt(50.0) * (0.33 + 0.67 * psf_fixture_uniform(&seed)) : 1.0;
+    const double x0 = SIDE / 2 - 0.5 + psf_fixture_uniform(&seed);
+    const double y0 = SIDE / 2 - 0.5 + psf_fixture_uniform(&seed);
+    const bool two = psf_fixture_uniform(&seed) < s->neighbours;
+    const double far = 8.0 + 16.0 * psf_fixture_uniform(&seed);
+    const double angle = 6.2832 * psf_fixture_uniform(&seed);
+    places[0][i] = 2000.0 * psf_fixture_uniform(&seed);
+    places[1][i] = 2000.0 * psf_fixture_uniform(&seed);
     for (int k = 0; k < PLANE; k++) {
         const double dx = k % SIDE - x0;
         const double dy = (double)(k / SIDE) - y0;
         double *p = &stamps[i * PLANE + k];
-        *p = flux * light(dx, dy) + s->background + (s->snr > 0.0 ? normal() : 0.0);
+        *p =
+            flux * light(dx, dy) + s->background + (s->snr > 0.0 ? psf_fixture_normal(&seed) : 0.0);
         if (two)
             *p += 0.33 * flux * light(dx - far * cos(angle), dy - far * sin(angle));
     }

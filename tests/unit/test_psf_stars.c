@@ -17,15 +17,6 @@ static double places[2][STARS];
 static double flags[STARS];
 
 static uint64_t seed = 11;
-static double uniform(void) {
-    seed = seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (double)(seed >> 11) * 0x1p-53;
-}
-
-static double normal(void) {
-    const double r = sqrt(-2.0 * log(1.0 - uniform()));
-    return r * cos(2.0 * acos(-1.0) * uniform());
-}
 
 /* Variances of the Gaussian at a place. */
 static void shape_at(double x, double y, double *xx, double *yy) {
@@ -36,13 +27,13 @@ static void shape_at(double x, double y, double *xx, double *yy) {
 /* A star with a background of 37 and noise of standard deviation `noise`; one of `size` times the
  * variance is no star. */
 static void draw(int i, double noise, double size) {
-    const double flux = 1000.0 * (1.0 + uniform());
-    const double x0 = N / 2 - 0.5 + uniform();
-    const double y0 = N / 2 - 0.5 + uniform();
+    const double flux = 1000.0 * (1.0 + psf_fixture_uniform(&seed));
+    const double x0 = N / 2 - 0.5 + psf_fixture_uniform(&seed);
+    const double y0 = N / 2 - 0.5 + psf_fixture_uniform(&seed);
     double xx = 0.0;
     double yy = 0.0;
-    places[0][i] = 2000.0 * uniform();
-    places[1][i] = 2000.0 * uniform();
+    places[0][i] = 2000.0 * psf_fixture_uniform(&seed);
+    places[1][i] = 2000.0 * psf_fixture_uniform(&seed);
     flags[i] = 0.0;
     shape_at(places[0][i], places[1][i], &xx, &yy);
     for (int k = 0; k < PLANE; k++) {
@@ -50,7 +41,7 @@ static void draw(int i, double noise, double size) {
         const double dy = (double)(k / N) - y0;
         const double light = exp(-0.5 / size * (dx * dx / xx + dy * dy / yy));
         stamps[i * PLANE + k] = 37.0 + flux * light / (6.2832 * size * sqrt(xx * yy)) +
-                                (noise > 0.0 ? noise * normal() : 0.0);
+                                (noise > 0.0 ? noise * psf_fixture_normal(&seed) : 0.0);
         weights[i * PLANE + k] = 1.0;
     }
 }
@@ -165,7 +156,7 @@ static void test_catalog(void **state) {
     (void)state;
     draw_all(STARS, 0.3);
     for (int i = 0; i < 40; i++)
-        draw(i, 0.3, 1.5 + 4.0 * uniform());
+        draw(i, 0.3, 1.5 + 4.0 * psf_fixture_uniform(&seed));
     psf_fixture_refuse(write_rows(STARS), SHEAR_PSF_KIND_AUTO, SHEAR_E_PSF, "galaxies among them",
                        "better selected", END);
 }

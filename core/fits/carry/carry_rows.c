@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/carry/carry_rows.h"
 
-#include "base/io.h"
+#include "base/cleanup.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 int carry_rows_init(carry_rows *r, const carry_list *l, const sf_table *t, sf_place at,
                     shear_error *err) {
-    const sf_hdu *hdu = t->cards->hdu;
-    *r = (carry_rows){
-        .fd = t->cards->file->source.fd, .at = at, .start = hdu->data_offset, .row = hdu->axes[0]};
+    *r = (carry_rows){.rows = sf_table_rows(t)};
+    r->rows.at = at;
     r->pieces = calloc((size_t)l->n + 1, sizeof *r->pieces);
     if (r->pieces == NULL)
         return sf_fail_memory(err, at);
@@ -35,18 +33,8 @@ void carry_rows_deinit(carry_rows *r) {
 }
 
 int carry_rows_read(const carry_rows *r, int64_t row, uint8_t *out, shear_error *err) {
-    for (const carry_piece *p = r->pieces; p < r->pieces + r->n; p++) {
-        const off_t at = (off_t)(r->start + row * r->row + p->from);
-        const ssize_t n = io_read_at(r->fd, out, (size_t)p->bytes, at);
-        if (n < 0)
-            return sf_fail_errno(err, r->at, errno, "cannot be read");
-        if (n < p->bytes) {
-            return sf_fail(err, SHEAR_E_FORMAT, r->at, "leave a file alone while it is read",
-                           "its data end at row %lld: the file has become shorter",
-                           (long long)row + 1);
-        }
-        out += p->bytes;
-    }
+    for (const carry_piece *p = r->pieces; p < r->pieces + r->n; out += p->bytes, p++)
+        TRY(sf_rows_bytes(&r->rows, row, p->from, p->bytes, out, err));
     return SHEAR_OK;
 }
 

@@ -13,10 +13,7 @@ typedef struct carry_piece {
     int64_t bytes;
 } carry_piece;
 typedef struct carry_rows {
-    int fd;        /* of the table's file, borrowed */
-    sf_place at;   /* for messages; its texts are borrowed */
-    int64_t start; /* of the table's data in the file */
-    int64_t row;   /* bytes of a row */
+    sf_rows rows;
     int n;
     carry_piece *pieces; /* [n] */
 } carry_rows;

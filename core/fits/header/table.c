@@ -2,12 +2,10 @@
 #include "fits/header/table.h"
 
 #include "base/cleanup.h"
-#include "base/io.h"
 #include "fits/io/bits.h"
 
 #include <assert.h>
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 #include <strings.h>
@@ -243,18 +241,17 @@ int sf_table_shape(const sf_table *t, const sf_column *column, int64_t axes[SF_A
 
 /* ---- rows, converted and scaled ---- */
 
+sf_rows sf_table_rows(const sf_table *t) {
+    return (sf_rows){.fd = t->cards->file->source.fd,
+                     .at = t->cards->at,
+                     .start = t->cards->hdu->data_offset,
+                     .width = t->cards->hdu->axes[0]};
+}
+
 int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,
                    shear_error *err) {
-    assert(row >= 0 && offset >= 0 && bytes >= 0);
-    const int64_t at = t->cards->hdu->data_offset + row * t->cards->hdu->axes[0] + offset;
-    const ssize_t n = io_read_at(t->cards->file->source.fd, out, (size_t)bytes, (off_t)at);
-    if (n < 0)
-        return sf_fail_errno(err, t->cards->at, errno, "cannot be read");
-    if (n < bytes) {
-        return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "leave a file alone while it is read",
-                       "its data end at row %lld: the file has become shorter", (long long)row + 1);
-    }
-    return SHEAR_OK;
+    const sf_rows rows = sf_table_rows(t);
+    return sf_rows_bytes(&rows, row, offset, bytes, out, err);
 }
 
 /* A cell as stored: an integer or a floating-point number, or undefined. */

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "fits/header/cards.h"
+#include "fits/header/rows.h"
 
 /* How a column's stored numbers are converted: scale * number + zero; `null` is undefined. */
 typedef struct sf_scaling {
@@ -79,6 +80,8 @@ int sf_table_cell(const sf_table *t, const sf_column *column, int64_t row, doubl
 int sf_table_text(const sf_table *t, const sf_column *column, int64_t row, char *out, size_t size,
                   shear_error *err);
 
-/* Read `bytes` bytes of row `row`, from `offset` in the row. SHEAR_E_IO, SHEAR_E_FORMAT. */
+/* Return where its rows lie. */
+sf_rows sf_table_rows(const sf_table *t);
+/* Read `bytes` bytes of row `row`, from `offset` in the row: sf_rows_bytes(). */
 int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,
                    shear_error *err);
